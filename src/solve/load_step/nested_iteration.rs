@@ -20,9 +20,10 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::rod::Natural;
 use crate::scene::{ContactLaw, Fidelity};
-use crate::solve::load_step::solve_step::TURNS_AT_ONCE;
+use crate::solve::load_step::core_law::TURNS_AT_ONCE;
+use crate::solve::load_step::guess::{Guess, LawInForce};
 use crate::solve::load_step::solver::Solver;
-use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::load_step::step_report::Status;
 use crate::solve::measures::{ROUGH, SLIGHT};
 use crate::solve::options::Options;
 use crate::solve::problem::engine::Engine;
@@ -33,68 +34,59 @@ use crate::solve::problem::state::State;
 const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;
 
 impl Solver {
-    /// Tries to come to rest after several turns from the equilibrium of a coarse mesh; true if it did, otherwise the
-    /// solver is back where it was.
-    pub(crate) fn solve_from_coarse(
+    /// The equilibrium of a coarse mesh after several turns. Iterations there are added to `elsewhere`.
+    ///
+    /// # Errors
+    /// Contact geometry that breaks down.
+    pub(super) fn from_coarse_mesh(
         &mut self,
         drive: &PrescribedMotion,
-        report: &mut StepReport,
-    ) -> Result<bool, SolveError> {
+        elsewhere: &mut usize,
+    ) -> Result<Option<Guess>, SolveError> {
         if drive.parts(TURNS_AT_ONCE).len() < 2 || !self.augments() {
-            return Ok(false);
+            return Ok(None);
         }
         if self.is_near_contact()? && self.contact_errors().penetration > ROUGH {
-            return Ok(false);
+            return Ok(None);
         }
-        let Some((factor, coarse)) = self.coarsest(drive) else { return Ok(false) };
-        let start = self.snapshot();
-        let settled = self.settle_by(coarse, factor, drive, report);
-        if !matches!(settled, Ok(true)) {
-            self.restore(start)?;
-            report.start_again();
+        let Some((factor, coarse)) = self.coarsest(drive) else { return Ok(None) };
+        let Some(guess) = self.interpolated(coarse, factor, drive, elsewhere) else { return Ok(None) };
+        let asked = Law::Linear { stiffness: self.engine.contact_stiffness() };
+        if guess.contact.as_ref().is_some_and(|contact| contact.law != asked) {
+            // a coarse mesh does not always carry the law
+            self.take(&guess);
+            self.engine.update_contact(&guess.state)?;
+            self.change_law_keeping_pressures(asked);
+            return Ok(Some(Guess { contact: self.engine.contact.as_ref().map(LawInForce::of), ..guess }));
         }
-        settled
+        Ok(Some(guess))
     }
 
-    fn settle_by(
+    /// The equilibrium of a coarse mesh under the drive, interpolated to the nodes of this one.
+    fn interpolated(
         &mut self,
         mut coarse: Self,
         factor: usize,
         drive: &PrescribedMotion,
-        report: &mut StepReport,
-    ) -> Result<bool, SolveError> {
+        elsewhere: &mut usize,
+    ) -> Option<Guess> {
         let node = |fine: usize| {
             let rod = self.engine.rod_of(fine);
             coarse.engine.first_node[rod] + (fine - self.engine.first_node[rod]) / factor
         };
         let nodes = drive.nodes.iter().map(|&(fine, by, turn)| (node(fine), by, turn)).collect();
         let made = coarse.solve_step(&PrescribedMotion { nodes, seams: drive.seams.clone() });
-        report.iterations_on_other_meshes += made.iterations;
+        *elsewhere += made.iterations;
         self.workspace.timings += coarse.workspace.timings;
         if made.status != Status::Converged || coarse.engine.check_turning().is_err() {
-            return Ok(false);
+            return None;
         }
-        let Ok(fine) = coarse.refined(factor) else { return Ok(false) };
+        let fine = coarse.refined(factor).ok()?;
         if !self.is_same(&fine.engine.state, &coarse.engine, factor) {
-            return Ok(false);
+            return None;
         }
-        if let (Some(side), Some(from)) = (&mut self.engine.contact, fine.engine.contact) {
-            (side.law, side.offsets, side.before) = (from.law, from.offsets, None);
-        }
-        self.engine.state = fine.engine.state;
-        self.engine.take_tangents();
-        let asked = Law::Linear { stiffness: self.engine.contact_stiffness() };
-        if self.engine.contact.as_ref().is_some_and(|side| side.law != asked) {
-            // a coarse mesh does not always carry the law
-            let state = self.engine.state.clone();
-            self.engine.update_contact(&state)?;
-            self.change_law_keeping_pressures(asked);
-        }
-        let settled = self.solve_from_present(report)?;
-        if settled {
-            report.escapes += made.escapes;
-        }
-        Ok(settled)
+        let contact = fine.engine.contact.as_ref().map(LawInForce::of);
+        Some(Guess { contact, escapes: made.escapes, ..Guess::of(fine.engine.state) })
     }
 
     /// The coarsest mesh that will do for the drive, with how many times fewer elements it has.
@@ -187,6 +179,8 @@ mod tests {
     use super::*;
     use crate::rod::{Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
+    use crate::solve::load_step::guess::Ahead;
+    use crate::solve::load_step::step_report::Origin;
 
     /// A flat ring of 64 elements, D/L = .02.
     fn ring(supports: Vec<Support>) -> Solver {
@@ -212,9 +206,7 @@ mod tests {
         let [mut quick, mut slow] = [(); 2].map(|()| ring(vec![held]));
         let (drive, at) = (turns(-3.0), quick.engine.state.positions[64]);
         let short = quick.solve_step(&drive);
-        let mut long = StepReport::settled();
-        slow.approach(&drive, &mut long).unwrap();
-        slow.enforce_gaps(&mut long).unwrap();
+        let long = slow.load_step_from(&[Origin::CoreLaw], &drive, &Ahead::Unknown);
         for report in [&short, &long] {
             assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
             assert!(report.penetration <= 1e-8, "{}", report.penetration);
@@ -237,7 +229,7 @@ mod tests {
         assert_eq!(in_force(&solver), Some(Law::Linear { stiffness: asked }));
         solver.harden_contact(0.1);
         let report = solver.resettle();
-        assert_eq!((report.status, report.predicted), (Status::Converged, true));
+        assert_eq!((report.status, report.start), (Status::Converged, Some(Origin::Present)));
         assert_eq!(in_force(&solver), Some(Law::Linear { stiffness: 0.1 * asked }));
         assert!((report.stiffness_reduction - 10.0).abs() < 1e-12, "{}", report.stiffness_reduction);
     }

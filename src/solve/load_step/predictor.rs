@@ -26,7 +26,6 @@ use crate::solve::measures::{ARC, FARTHEST, FINE, MAX_ROUNDS};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, seam_shares, spin_shares};
 use crate::solve::problem::state::State;
-use crate::solve::search::workspace::Foretold;
 
 /// Largest difference of a prediction from the one from a state less, rad, because linearisations about it err by the square.
 const MAX_UNCERTAINTY: f64 = 0.1;
@@ -82,18 +81,21 @@ fn change(to: &BTreeMap<Control, f64>, from: &BTreeMap<Control, f64>) -> BTreeMa
     all
 }
 
-/// A predicted state.
+/// A motion that leads to a predicted state.
 #[derive(Debug, Clone)]
 pub(crate) struct Prediction {
     /// From the state with its turns [lifted](lifted) to the predicted one; supports move as prescribed.
     pub(crate) increment: Vec<f64>,
-    pub(crate) foretold: Foretold,
+    /// Shear forces and tension there, per element and integration point \[F\]; empty: not known.
+    pub(crate) forces: Vec<[[f64; 3]; 3]>,
+    /// Rotations, rad, from there to the equilibrium, by the order of magnitude; infinite: not known.
+    pub(crate) uncertainty: f64,
 }
 
 impl Prediction {
-    /// The present state.
+    /// No motion.
     pub(crate) fn still(engine: &Engine) -> Self {
-        Self { increment: vec![0.0; 6 * engine.num_nodes()], foretold: Foretold::default() }
+        Self { increment: vec![0.0; 6 * engine.num_nodes()], forces: Vec::new(), uncertainty: f64::INFINITY }
     }
 }
 
@@ -196,7 +198,7 @@ impl History {
         }
         drive.add_to(&mut increment);
         engine.join_increment(&mut increment);
-        Some(Prediction { increment, foretold: Foretold { forces, uncertainty } })
+        Some(Prediction { increment, forces, uncertainty })
     }
 }
 
@@ -456,7 +458,7 @@ mod tests {
         let path = |stages: &[Stage]| {
             let mut seen = Vec::new();
             let solution = run(clamped(true), stages, &options, &mut |progress| {
-                seen.push((progress.report.iterations, progress.report.predicted));
+                seen.push((progress.report.iterations, progress.report.is_predicted()));
                 std::ops::ControlFlow::Continue(())
             })
             .unwrap();
@@ -470,11 +472,11 @@ mod tests {
         let mut solver = Solver::new(clamped(true), options.clone()).unwrap();
         let mut single = vec![{
             let start = solver.step_to(&[]).unwrap();
-            (start.iterations, start.predicted)
+            (start.iterations, start.is_predicted())
         }];
         for k in 1..=8 {
             let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: 0.25 * f64::from(k) }]).unwrap();
-            single.push((report.iterations, report.predicted));
+            single.push((report.iterations, report.is_predicted()));
         }
         assert_eq!(whole, single);
         for end in [&other, &solver.engine.state] {

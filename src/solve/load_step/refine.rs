@@ -5,7 +5,7 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::Rod;
 use crate::scene::{Joint, Model, NodeLoad, NodeRef, Support};
-use crate::solve::load_step::predictor::Prediction;
+use crate::solve::load_step::guess::Ahead;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
 use crate::solve::problem::engine::Engine;
@@ -111,7 +111,6 @@ impl Solver {
     /// Brings the present state to rest as it is: from there under the law in force first, by a softened law only if
     /// that fails.
     pub fn resettle(&mut self) -> StepReport {
-        let still = Prediction::still(&self.engine);
-        self.solve_step_along(&PrescribedMotion::default(), Some(still))
+        self.load_step(&PrescribedMotion::default(), &Ahead::Present)
     }
 }

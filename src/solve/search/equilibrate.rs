@@ -48,7 +48,7 @@ impl Workspace {
         if !stable_only || !(engine.contact.is_some() || leaving.is_some()) {
             let direct = if stable_only { &direct } else { options };
             match self.direct(engine, drive, direct, stable_only) {
-                Ok(report) if !stable_only || report.converged => return Ok(report),
+                Ok(report) if !stable_only || report.converged || report.interrupted => return Ok(report),
                 Ok(report) => spent = report.iterations,
                 Err(_) if stable_only => {}
                 Err(error) => return Err(error),
@@ -76,6 +76,9 @@ impl Workspace {
         engine.contact = side;
         // after a breakdown the other searches begin from the start
         let Ok(mut report) = outcome else { return Ok(None) };
+        if report.interrupted {
+            return Ok(Some(report));
+        }
         if report.converged
             && timed(&mut self.timings.detection, || engine.is_path_free(&before)).unwrap_or(false)
             && !engine.is_touching()
@@ -101,7 +104,7 @@ impl Workspace {
         let before = engine.contact.as_ref().and_then(|side| side.before.clone());
         // after a breakdown the trust-region search begins from the start
         if let Ok(mut report) = self.direct(engine, drive, options, true) {
-            if report.converged && report.num_unstable == 0 {
+            if report.interrupted || report.converged && report.num_unstable == 0 {
                 return Ok(Some(report));
             }
             spent.append(&mut report.iterations);

@@ -72,9 +72,9 @@ enum Advance {
 
 impl Search {
     fn new(engine: &Engine, drive: &PrescribedMotion, options: &SearchOptions) -> Self {
-        let (newton, foretold) = (&options.newton, &options.foretold);
+        let newton = &options.newton;
         let state = engine.state.clone();
-        let stress = engine.stress_with(&state, &foretold.forces);
+        let stress = engine.stress_with(&state, options.forces);
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let progress = SearchProgress::new(newton.max_iterations);
         let rest = Convergence::new(newton.tol_increment, options.rough);
@@ -82,7 +82,7 @@ impl Search {
             state,
             stress,
             remaining,
-            trust: TrustRegion::new(foretold.uncertainty),
+            trust: TrustRegion::new(options.uncertainty),
             rest,
             progress,
             rejections: 0,
@@ -145,7 +145,7 @@ impl Workspace {
             match self.advance(engine, &mut search, (&residual, &drive_now), options)? {
                 Advance::Done => {}
                 Advance::NoFarther => break,
-                Advance::Interrupted => return Ok(search.report),
+                Advance::Interrupted => return Ok(NewtonReport { interrupted: true, ..search.report }),
             }
         }
         self.finish(engine, search)
@@ -164,7 +164,7 @@ impl Workspace {
         // no step knows the shift of the one before: contact that was put right asks for none any more
         self.shift = 0.0;
         loop {
-            if self.must_stop(&options.newton) {
+            if options.newton.interrupt.is_raised() {
                 return Ok(Advance::Interrupted);
             }
             let within = if search.is_pushed() { f64::INFINITY } else { search.trust.radius };

@@ -13,17 +13,15 @@
 
 use std::f64::consts::TAU;
 
-use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Placement, Rod};
 use crate::scene::{ContactLaw, Model};
-use crate::solve::load_step::double_helix::{DoubleHelix, Origin, Screw};
-use crate::solve::load_step::predictor::Prediction;
+use crate::solve::load_step::guess::{Ahead, Guess, LawInForce};
+use crate::solve::load_step::plectoneme::double_helix::{DoubleHelix, NodeOrigin, Screw};
 use crate::solve::load_step::solver::Solver;
-use crate::solve::load_step::step_report::{Status, StepReport};
+use crate::solve::load_step::step_report::Status;
 use crate::solve::measures::{FEW, MAX_ROUNDS, ROUNDING, SAME};
-use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, twist};
 use crate::solve::problem::state::State;
 use crate::solve::search::timing::Timings;
@@ -33,6 +31,13 @@ const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
 /// Strand kept for each end loop, in contact distances, because the loop and its transition to the regular superhelix
 /// must fit into it.
 const LOOPS: f64 = 60.0;
+
+/// A guess, and what was spent on the short rod.
+struct Lengthened {
+    guess: Guess,
+    iterations: usize,
+    timings: Timings,
+}
 
 /// Where elements are cut out of a long plectoneme, and how many.
 struct Cut {
@@ -55,7 +60,7 @@ impl Cut {
 }
 
 /// Where the nodes of a closed rod come from with elements put into each strand (taken out, if negative).
-fn origins(helix: &DoubleHelix, nodes: usize, elements: isize) -> Vec<Origin> {
+fn origins(helix: &DoubleHelix, nodes: usize, elements: isize) -> Vec<NodeOrigin> {
     let strand = elements * helix.order as isize;
     (0..nodes.saturating_add_signed(2 * strand)).map(|n| helix.origin(n as f64, strand as f64)).collect()
 }
@@ -81,43 +86,33 @@ fn moved(mut state: State, there: &Vec3) -> State {
     state
 }
 
-/// A long plectoneme whose ends are in equilibrium, with the contact that holds them.
-pub(crate) struct Lengthened {
-    state: State,
-    law: Law,
-    offsets: ContactField,
-    /// Newton iterations on the short rod.
-    iterations: usize,
-    /// Iterations spent.
-    timings: Timings,
-}
-
 impl Solver {
-    /// Where the state is a long plectoneme that nothing holds: one whose ends are at rest, with the contact offsets
-    /// that hold them there. None where it is not, or where the short rod does not come to rest.
-    pub(crate) fn lengthened(&self) -> Option<Lengthened> {
-        TURNS.iter().find_map(|turns| self.lengthened_from(*turns))
-    }
-
-    /// Replaces state and contact law by these. Newton iterations on the short rod are counted in the report.
-    pub(crate) fn start_from(&mut self, lengthened: Lengthened, report: &mut StepReport) {
-        if let Some(side) = &mut self.engine.contact {
-            (side.law, side.offsets, side.before) = (lengthened.law, lengthened.offsets, None);
+    /// Where the state is a long plectoneme that nothing holds or moves: one whose ends are at rest, with the contact offsets
+    /// that hold them there. None where it is not, or where the short rod does not come to rest. Iterations on the short rod
+    /// are added to `elsewhere`.
+    pub(in crate::solve::load_step) fn periodic_extension(
+        &mut self,
+        drive: &PrescribedMotion,
+        elsewhere: &mut usize,
+    ) -> Option<Guess> {
+        let still = drive.nodes.is_empty() && drive.seams.iter().all(|angle| *angle == 0.0);
+        if !(still && self.augments()) {
+            return None;
         }
-        self.engine.state = lengthened.state;
-        report.iterations_on_other_meshes += lengthened.iterations;
-        self.workspace.timings += lengthened.timings;
+        let Lengthened { guess, iterations, timings } = TURNS.iter().find_map(|turns| self.lengthened_from(*turns))?;
+        *elsewhere += iterations;
+        self.workspace.timings += timings;
+        Some(guess)
     }
 
     fn lengthened_from(&self, turns: f64) -> Option<Lengthened> {
         let rod = self.free_uniform_ring()?;
         let cut = self.cut(rod, turns)?;
         let mut short = self.shortened(rod, &cut)?;
-        let still = Prediction::still(&short.engine);
-        let mut iterations = short.comes_to_rest(&PrescribedMotion::default(), None)?;
+        let mut iterations = short.comes_to_rest(&PrescribedMotion::default(), &Ahead::Unknown)?;
         for _ in 0..FEW {
             short.smooth_pressures();
-            iterations += short.comes_to_rest(&PrescribedMotion::default(), Some(still.clone()))?;
+            iterations += short.comes_to_rest(&PrescribedMotion::default(), &Ahead::Present)?;
         }
         let wanted = self.engine.state.seams[0] / TAU;
         // links of the long rod per link of the short one, a secant's slope from the second round on
@@ -138,7 +133,7 @@ impl Solver {
             }
             before = Some([link, missing]);
             let drive = PrescribedMotion { seams: vec![TAU * missing / slope], ..PrescribedMotion::default() };
-            iterations += short.comes_to_rest(&drive, Some(still.clone()))?;
+            iterations += short.comes_to_rest(&drive, &Ahead::Present)?;
         }
         None
     }
@@ -190,19 +185,20 @@ impl Solver {
     }
 
     /// The long rod `made` of the short one, moved to where it was and twisted to its own link, with the short one's contact.
-    fn in_contact_as(&self, short: &Self, long: State, made: &[Origin], iterations: usize) -> Option<Lengthened> {
+    fn in_contact_as(&self, short: &Self, long: State, made: &[NodeOrigin], iterations: usize) -> Option<Lengthened> {
         let before = &self.engine.state;
         let mut long = moved(long, &centre(before));
         let angle = before.seams[0] - long.seams[0];
         twist(&self.engine, &mut long, 0, angle);
         let side = short.engine.contact.as_ref()?;
         let offsets = side.offsets.moved(made.iter().map(|origin| origin.node as usize));
-        Some(Lengthened { state: long, law: side.law, offsets, iterations, timings: short.workspace.timings })
+        let contact = Some(LawInForce { law: side.law, offsets, before: None });
+        Some(Lengthened { guess: Guess { contact, ..Guess::of(long) }, iterations, timings: short.workspace.timings })
     }
 
-    /// Newton iterations that [`Solver::solve_step_along`] takes; `None` where it does not converge.
-    fn comes_to_rest(&mut self, drive: &PrescribedMotion, predicted: Option<Prediction>) -> Option<usize> {
-        let report = self.solve_step_along(drive, predicted);
+    /// Newton iterations that [`Solver::load_step`] takes; `None` where it does not converge.
+    fn comes_to_rest(&mut self, drive: &PrescribedMotion, ahead: &Ahead) -> Option<usize> {
+        let report = self.load_step(drive, ahead);
         (report.status == Status::Converged).then_some(report.iterations)
     }
 
@@ -329,10 +325,9 @@ mod tests {
         assert!(short.iterations <= 10 && usual.iterations > 3 * short.iterations, "{}", usual.iterations);
         let energy =
             |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum::<f64>();
-        let still = Prediction::still(&slow.engine);
         for _ in 0..FEW {
             slow.smooth_pressures();
-            let report = slow.solve_step_along(&PrescribedMotion::default(), Some(still.clone()));
+            let report = slow.resettle();
             assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
         }
         assert!((energy(&quick) / energy(&slow) - 1.0).abs() < 1e-7, "{} {}", energy(&quick), energy(&slow));
@@ -359,16 +354,12 @@ mod tests {
     fn strands_under_smooth_pressures_do_not_want_to_slide() {
         // at this angle strands come to rest on a crest of the mesh's ripples; at .29 in a trough
         let mut solver = plectoneme(240, 0.31);
-        let still = Prediction::still(&solver.engine);
         assert_eq!(solver.solve_step(&PrescribedMotion::default()).status, Status::Converged);
         let before = stiffness_of_sliding(&mut solver);
         assert!(before < 0.0, "{before}");
         for _ in 0..FEW {
             solver.smooth_pressures();
-            assert_eq!(
-                solver.solve_step_along(&PrescribedMotion::default(), Some(still.clone())).status,
-                Status::Converged
-            );
+            assert_eq!(solver.resettle().status, Status::Converged);
         }
         let after = stiffness_of_sliding(&mut solver);
         assert!(after > -0.05 * before, "{before} {after}");
