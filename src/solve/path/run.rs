@@ -147,7 +147,7 @@ struct LoadStepping<'a, 'o> {
 }
 
 /// Part of a stage that one attempt is to do.
-struct Attempt {
+struct Portion {
     /// Fractions of the stage, from where to where.
     span: [f64; 2],
     /// Fraction of the stage.
@@ -156,7 +156,7 @@ struct Attempt {
     take: f64,
 }
 
-impl Attempt {
+impl Portion {
     /// The next of at most `size` of the stage. After a step that was halved it ends where that one would have ended, on
     /// the grid of steps `full`.
     fn next(done: f64, size: f64, full: f64) -> Self {
@@ -224,16 +224,16 @@ impl LoadStepping<'_, '_> {
         let mut started = Instant::now();
         let mut failed_iterations = 0;
         while self.place.fraction < 1.0 - NOTHING {
-            let attempt = Attempt::next(self.place.fraction, size, full);
+            let portion = Portion::next(self.place.fraction, size, full);
             let snapshot = self.solver.snapshot();
-            let mut report = self.solver.advance(&stage.ramps, attempt.take);
+            let mut report = self.solver.advance(&stage.ramps, portion.take);
             self.place.iterations += report.iterations;
             if report.status != Status::Converged {
                 failed_iterations += report.iterations;
-                size = 0.5 * attempt.size;
+                size = 0.5 * portion.size;
                 let gives_up = size < full * self.solver.options.min_step;
                 let failed = gives_up && report.status != Status::Stopped;
-                let failure = failed.then(|| self.failure_in(stage, &attempt, &report));
+                let failure = failed.then(|| self.failure_in(stage, &portion, &report));
                 self.solver.restore(snapshot)?;
                 self.failure = failure.map(|failure| failure.failing_from(&self.solver.engine));
                 if report.status == Status::Stopped || gives_up {
@@ -242,7 +242,7 @@ impl LoadStepping<'_, '_> {
                 continue;
             }
             size = (2.0 * size).min(full);
-            self.place.fraction = attempt.span[1];
+            self.place.fraction = portion.span[1];
             self.place.step_size = size;
             self.place.num_steps += 1;
             report.iterations += std::mem::take(&mut failed_iterations);
@@ -276,11 +276,11 @@ impl LoadStepping<'_, '_> {
         Failure::of(&self.solver.engine, report, &self.solver.options.newton)
     }
 
-    fn failure_in(&self, stage: &Stage, attempt: &Attempt, report: &StepReport) -> Failure {
+    fn failure_in(&self, stage: &Stage, portion: &Portion, report: &StepReport) -> Failure {
         let is_load = |ramp: &Ramp| matches!(ramp, Ramp::Load { .. } | Ramp::Pressure { .. });
         Failure {
             stage: Some(self.place.stage),
-            span: attempt.span,
+            span: portion.span,
             ramps_loads: stage.ramps.iter().any(is_load),
             ..self.failure_of(report)
         }
