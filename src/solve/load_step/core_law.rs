@@ -1,9 +1,9 @@
 //! The contact law as a path: from a soft core to the requested law.
 //!
-//! Without a guess, plectonemes would rewind by many turns if strands first sank into each other and then came apart. So a
-//! step begins under a core law, with offsets and tensions that balance the shape (`multiplier_estimate`). An intermediate
-//! law half as stiff in decades takes over its pressures, then the requested law does. Where the mesh does not resolve
-//! the requested law, a softer one stays.
+//! Without a guess, plectonemes would rewind by many turns if strands first sank into each other and then came apart.
+//! So a step begins under a core law, with offsets and tensions that balance the shape (`multiplier_estimate`). An
+//! intermediate law half as stiff in decades takes over its pressures, then the requested law does. Where the mesh does
+//! not resolve the requested law, a softer one stays.
 
 use crate::contact::law::Law;
 use crate::solve::load_step::multiplier_estimate::MultiplierEstimate;
@@ -20,15 +20,16 @@ const DEPTH: f64 = 0.4;
 const TOO_DEEP: f64 = 0.8 * 2.0 * DEPTH;
 /// Factor between the penalties that are tried if the mesh does not resolve the requested one.
 const STIFFNESS_RATIO: f64 = 10.0;
-/// Softer laws that are tried, each by [`STIFFNESS_RATIO`], because contact a thousand times softer than asked for is another problem.
+/// Softer laws that are tried, each by [`STIFFNESS_RATIO`], because contact a thousand times softer than asked for is
+/// another problem.
 const MAX_SOFTER_LAWS: usize = 3;
-/// Largest overlap of a shape, over the contact radius, whose pressures are estimated, because strands that are farther inside each
-/// other are not in balance by any.
+/// Largest overlap of a shape, over the contact radius, whose pressures are estimated, because strands that are farther
+/// inside each other are not in balance by any.
 const MAX_OVERLAP_OF_SHAPE: f64 = 0.01;
 /// Extent of the last step of a rough search, rad, because its end is only the start of the next one.
 const ROUGH_EXTENT: f64 = 0.01;
-/// Largest turn of a seam in one search, turns. Larger ones are made in parts, because a flat ring with ten turns at once
-/// would buckle into its tenth mode.
+/// Largest turn of a seam in one search, turns. Larger ones are made in parts, because a flat ring with ten turns at
+/// once would buckle into its tenth mode.
 pub(in crate::solve) const TURNS_AT_ONCE: f64 = 1.0;
 
 impl Solver {
@@ -57,8 +58,8 @@ impl Solver {
         if rough { self.search_from_here(report) } else { Ok(increment) }
     }
 
-    /// Puts the core law in force, with offsets such that the pressures of touching strands balance the state; the forces
-    /// in the rods that go with them.
+    /// Puts the core law in force, with offsets such that the pressures of touching strands balance the state; the
+    /// forces in the rods that go with them.
     fn soften(&mut self, report: &mut StepReport) -> Result<Vec<[[f64; 3]; 3]>, Failed> {
         let near = self.is_near_contact()?;
         let pressure = self.engine.pressure_scale();
@@ -66,7 +67,8 @@ impl Solver {
         let overlap = if near { self.contact_errors().penetration } else { 0.0 };
         let mut estimate = MultiplierEstimate::default();
         if overlap >= TOO_DEEP {
-            // strands deep inside each other are separated under a law without a core first, where its energy is infinite
+            // strands deep inside each other are separated under a law without a core first, where its energy is
+            // infinite
             self.start_under(Law::Linear { stiffness: self.core_stiffness() }, &[]);
             self.search_roughly(report)?;
             report.penetration = self.contact_errors().penetration;
@@ -86,8 +88,8 @@ impl Solver {
         self.engine.pressure_scale() / (DEPTH * 2.0 * radius)
     }
 
-    /// From the core law to the requested one, or to the stiffest softer law that the mesh resolves: on a mesh too coarse
-    /// for its law lines of contact break up into points between nodes.
+    /// From the core law to the requested one, or to the stiffest softer law that the mesh resolves: on a mesh too
+    /// coarse for its law lines of contact break up into points between nodes.
     fn raise_penalty(&mut self, report: &mut StepReport) -> Result<f64, Failed> {
         let asked = self.engine.contact_stiffness();
         // half way in decades; a law softer than the core is reached at once

@@ -1,8 +1,8 @@
 //! Searches that leave unstable equilibria.
 //!
-//! An equilibrium with a negative eigenvalue is left along its most negative direction, and the search goes on downhill. If
-//! the potential falls by no more than rounding the motion is neutral, such as the turning of the helix of a ring with two
-//! bending stiffnesses, and the state counts as stable.
+//! An equilibrium with a negative eigenvalue is left along its most negative direction, and the search goes on
+//! downhill. If the potential falls by no more than rounding the motion is neutral, such as the turning of the helix of
+//! a ring with two bending stiffnesses, and the state counts as stable.
 
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Failed, Status, StepReport};
@@ -15,17 +15,17 @@ use crate::solve::search::trust_region::progress::stored_energy;
 const LEAST_FALL: f64 = 0.01;
 
 impl Solver {
-    /// Equilibrium search that leaves unstable equilibria, from which the potential falls by more than rounding; the size
-    /// of the last increment, see [`increment_size`](crate::solve::search::newton::increment_size).
+    /// Equilibrium search that leaves unstable equilibria, from which the potential falls by more than rounding; the
+    /// size of the last increment, see [`increment_size`](crate::solve::search::newton::increment_size).
     pub(super) fn search(
         &mut self,
         drive: &PrescribedMotion,
         options: &SearchOptions,
         report: &mut StepReport,
     ) -> Result<f64, Failed> {
-        let mut outcome = self.equilibrate(drive, (options, None), report)?;
+        let mut outcome = self.equilibrate(drive, options, report)?;
         // nothing is known of where a descent leads
-        let options = options.from_anywhere();
+        let options = options.without_foresight();
         // without a potential the inertia of the symmetric part does not decide stability
         let leaves = self.options.leave_unstable && self.engine.is_conservative();
         let mut idle = 0;
@@ -40,7 +40,8 @@ impl Solver {
             let work = work_of_moments(&self.engine, &increment) * fraction;
             let floor = potential.potential.total() + work - potential.rounding;
             let floor = if may_leave { f64::NEG_INFINITY } else { floor };
-            let left = self.equilibrate(&still, (&options, Some(floor)), report)?;
+            let leaving = SearchOptions { leaving: Some(floor), ..options.clone() };
+            let left = self.equilibrate(&still, &leaving, report)?;
             let end = self.engine.residual(&self.engine.state).potential.total() - work - left.work;
             let fall = potential.potential.total() - end;
             let is_neutral = left.converged && fall.abs() <= potential.rounding;
@@ -67,14 +68,14 @@ impl Solver {
         Ok(outcome.iterations.last().map_or(0.0, |iteration| iteration.increment))
     }
 
-    /// A search that ends at any equilibrium; below the potential `leaving` it ends, not converged.
+    /// A search that ends at any equilibrium.
     fn equilibrate(
         &mut self,
         drive: &PrescribedMotion,
-        (options, leaving): (&SearchOptions, Option<f64>),
+        options: &SearchOptions,
         report: &mut StepReport,
     ) -> Result<NewtonReport, Failed> {
-        let outcome = self.workspace.equilibrate(&mut self.engine, drive, options, leaving)?;
+        let outcome = self.workspace.equilibrate(&mut self.engine, drive, options)?;
         report.iterations += outcome.iterations.len();
         self.workspace.timings.node_iterations += outcome.iterations.len() * self.engine.num_nodes();
         report.history.push(outcome.iterations.clone());

@@ -8,13 +8,14 @@ use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::newton::SearchOptions;
 
-/// Times that contact tangents are taken from the state at rest, because the second round corrects and the third confirms.
-const MAX_TANGENT_ROUNDS: usize = 3;
+/// Times that contact tangents are taken from the state at rest, because the second round corrects and the third
+/// confirms.
+pub(in crate::solve) const MAX_TANGENT_ROUNDS: usize = 3;
 
 impl Solver {
-    /// Raises and lowers offsets until penetrations and gaps held open are within the tolerance, and the tangents of the
-    /// contact centrelines are those of the state. From a search whose last increment is this; by searches that leave
-    /// unstable equilibria so often.
+    /// Raises and lowers offsets until penetrations and gaps held open are within the tolerance, and the tangents of
+    /// the contact centrelines are those of the state. From a search whose last increment is this; by searches that
+    /// leave unstable equilibria so often.
     pub(super) fn enforce_contact(
         &mut self,
         mut increment: f64,

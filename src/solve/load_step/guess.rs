@@ -73,6 +73,13 @@ pub(in crate::solve) enum Ahead {
     Predicted(Prediction),
 }
 
+/// A load step from the present state.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Task<'a> {
+    pub(super) drive: &'a PrescribedMotion,
+    pub(super) ahead: &'a Ahead,
+}
+
 impl Solver {
     /// The state that a prediction leads to, as far as no strand passes another on the way.
     pub(super) fn predicted_guess(
@@ -105,8 +112,8 @@ impl Solver {
         }
     }
 
-    /// Whether a search from a guess, which is in force, is worth its cost: contact has not far more energy than the rods,
-    /// and the potential is below the present one, if the guess was made to lower it.
+    /// Whether a search from a guess, which is in force, is worth its cost: contact has not far more energy than the
+    /// rods, and the potential is below the present one, if the guess was made to lower it.
     pub(super) fn is_promising(&mut self, guess: &Guess) -> Result<bool, SolveError> {
         if self.engine.contact.is_none() {
             return Ok(true);
@@ -126,7 +133,7 @@ impl Solver {
     pub(super) fn guess(
         &mut self,
         origin: Origin,
-        (drive, ahead): (&PrescribedMotion, &Ahead),
+        Task { drive, ahead }: Task,
         elsewhere: &mut usize,
     ) -> Result<Option<Guess>, SolveError> {
         match (origin, ahead) {
@@ -136,7 +143,7 @@ impl Solver {
             (Origin::ShortRod, _) => self.snap_of_short_rod(drive, elsewhere),
             // where the step leads is not known, and nothing moves
             (Origin::PeriodicExtension, Ahead::Unknown) => Ok(self.periodic_extension(drive, elsewhere)),
-            (Origin::CoarseMesh, _) => self.from_coarse_mesh(drive, elsewhere),
+            (Origin::CoarseMesh, _) => self.coarse_mesh_guess(drive, elsewhere),
             _ => Ok(None),
         }
     }

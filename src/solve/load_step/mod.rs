@@ -21,7 +21,7 @@ mod complementarity;
 mod core_law;
 mod descent;
 mod energy_balance;
-mod enforce_contact;
+pub(in crate::solve) mod enforce_contact;
 mod guess;
 mod multiplier_estimate;
 pub(in crate::solve) mod multipliers;

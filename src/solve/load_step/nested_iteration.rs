@@ -1,10 +1,10 @@
 //! Large turns are made on a coarse mesh first.
 //!
 //! A step that turns a rod by several turns passes through equilibria that nobody asked for, and most of its iterations
-//! are spent on these. A fine mesh is needed for lines of contact and for digits at the end, not on the way there: strands
-//! coil as wide as they are thick or wider. So the step is made on every second to eighth node, on a mesh no coarser than
-//! that of a draft ([`Fidelity::Draft`]). The nodes between are interpolated, contact offsets too, and the whole mesh comes
-//! to rest from there. If it does not, the step is made on the whole mesh alone.
+//! are spent on these. A fine mesh is needed for lines of contact and for digits at the end, not on the way there:
+//! strands coil as wide as they are thick or wider. So the step is made on every second to eighth node, on a mesh no
+//! coarser than that of a draft ([`Fidelity::Draft`]). The nodes between are interpolated, contact offsets too, and the
+//! whole mesh comes to rest from there. If it does not, the step is made on the whole mesh alone.
 //!
 //! Smaller steps stay on the whole mesh. It would save a third of their work where they are not foreseen, too, but
 //! branches would be chosen by the coarse mesh, and the ripples of its lines of contact show in the offsets (3e-3 of
@@ -24,11 +24,16 @@ use crate::solve::load_step::core_law::TURNS_AT_ONCE;
 use crate::solve::load_step::guess::{Guess, LawInForce};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::Status;
-use crate::solve::measures::{ROUGH, SLIGHT};
 use crate::solve::options::Options;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
+
+/// Largest overlap, over the contact radius, from which a coarse mesh starts, because strands that are farther inside
+/// each other are separated first.
+const MAX_OVERLAP: f64 = 0.01;
+/// Largest distance of the centrelines on two meshes, over the contact radius: strands in contact are two radii apart.
+const SAME_CURVE: f64 = 0.1;
 
 /// Factors between the elements of the mesh and of a coarse one.
 const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;
@@ -38,7 +43,7 @@ impl Solver {
     ///
     /// # Errors
     /// Contact geometry that breaks down.
-    pub(super) fn from_coarse_mesh(
+    pub(super) fn coarse_mesh_guess(
         &mut self,
         drive: &PrescribedMotion,
         elsewhere: &mut usize,
@@ -46,7 +51,7 @@ impl Solver {
         if drive.parts(TURNS_AT_ONCE).len() < 2 || !self.augments() {
             return Ok(None);
         }
-        if self.is_near_contact()? && self.contact_errors().penetration > ROUGH {
+        if self.is_near_contact()? && self.contact_errors().penetration > MAX_OVERLAP {
             return Ok(None);
         }
         let Some((factor, coarse)) = self.coarsest(drive) else { return Ok(None) };
@@ -169,7 +174,7 @@ impl Solver {
             parts.fold(0.0, f64::max)
         };
         side.rods.iter().all(|&rod| {
-            (0..coarse.model.rods[rod].num_segments()).all(|k| deviation(rod, k) <= SLIGHT * side.min_radius)
+            (0..coarse.model.rods[rod].num_segments()).all(|k| deviation(rod, k) <= SAME_CURVE * side.min_radius)
         })
     }
 }
@@ -234,8 +239,8 @@ mod tests {
         assert!((report.stiffness_reduction - 10.0).abs() < 1e-12, "{}", report.stiffness_reduction);
     }
 
-    /// A step stays on the whole mesh where the coarse one would miss something: a bend or a turn of frames between its nodes, supports there,
-    /// more turns than it can bear. Steps of one turn are not worth it.
+    /// A step stays on the whole mesh where the coarse one would miss something: a bend or a turn of frames between its
+    /// nodes, supports there, more turns than it can bear. Steps of one turn are not worth it.
     #[test]
     fn what_a_coarse_mesh_does_not_see_is_left_alone() {
         let drive = turns(3.0);
@@ -248,7 +253,7 @@ mod tests {
         assert_eq!(factor(&ring(vec![held(67)]), &drive), None);
         for (by, found) in [(0.5, Some(4)), (1.5, None)] {
             let mut bent = ring(vec![]);
-            bent.engine.state.positions[101].z += by * SLIGHT * 0.01;
+            bent.engine.state.positions[101].z += by * SAME_CURVE * 0.01;
             assert_eq!(factor(&bent, &drive), found);
         }
         for (by, found) in [(0.15, Some(4)), (0.25, Some(2)), (0.45, None)] {

@@ -8,10 +8,9 @@ use crate::math::quaternion::exp;
 use crate::scene::model::{RemainingPath, unit};
 use crate::scene::{NodeRef, Pose, Ramp, Stage};
 use crate::solve::load_step::guess::Ahead;
-use crate::solve::load_step::predictor::{History, Prediction};
+use crate::solve::load_step::predictor::{FARTHEST, History, Prediction};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::measures::FARTHEST;
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
 
 impl Solver {
@@ -43,8 +42,8 @@ impl Solver {
         Ok(report)
     }
 
-    /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it might lose its
-    /// branch.
+    /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it might lose
+    /// its branch.
     pub(in crate::solve) fn advance(&mut self, ramps: &[Ramp], take: f64) -> StepReport {
         let start = self.snapshot();
         let target = self.target(ramps, take);
@@ -79,9 +78,9 @@ impl Solver {
         whole
     }
 
-    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges. Where
-    /// `doubts` are asked for they do not if the step was too long to be predicted and may have lost its branch, which the second
-    /// part of the result says.
+    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
+    /// Where `doubts` are asked for they do not if the step was too long to be predicted and may have lost its branch,
+    /// which the second part of the result says.
     fn attempt(&mut self, target: &Target, doubts: bool) -> (StepReport, bool) {
         let lifted = lifted(&self.engine, &self.engine.state, &target.drive);
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &lifted.spun) {

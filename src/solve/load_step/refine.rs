@@ -24,8 +24,8 @@ impl Model {
         Ok(self.with_rods(rods, |node| NodeRef { node: factor.saturating_mul(node.node), ..node }))
     }
 
-    /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and all nodes that are
-    /// held, joined or loaded are among these.
+    /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and all nodes that
+    /// are held, joined or loaded are among these.
     pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
         let rods = self.rods.iter().map(|rod| rod.coarsened(factor)).collect::<Option<_>>()?;
         let at = self.supports.iter().map(|s| s.node).chain(self.joints.iter().flat_map(|j| [j.a, j.b]));

@@ -1,15 +1,15 @@
 //! One load step: a stable equilibrium with contact enforced to the requested tolerance.
 //!
-//! [`Solver::load_step`] is the whole of it. It goes through an ordered list of starts ([`Origin::all`]); each that applies
-//! makes a guess, a value. The first guess from which a search converges, and from which contact can be enforced there, ends
-//! the step. A search from a guess follows the branch: it leaves no unstable equilibrium. The last start is the present
-//! state with the contact law itself as a path ([`Solver::continue_over_laws`]); it always applies, and descends from
-//! unstable equilibria.
+//! [`Solver::load_step`] is the whole of it. It goes through an ordered list of starts ([`Origin::all`]); each that
+//! applies makes a guess, a value. The first guess from which a search converges, and from which contact can be
+//! enforced there, ends the step. A search from a guess follows the branch: it leaves no unstable equilibrium. The last
+//! start is the present state with the contact law itself as a path ([`Solver::continue_over_laws`]); it always
+//! applies, and descends from unstable equilibria.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::scene::ContactLaw;
-use crate::solve::load_step::guess::{Ahead, Guess};
+use crate::solve::load_step::guess::{Ahead, Guess, Task};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Attempt, Failed, Origin, Status, StepReport};
 use crate::solve::problem::contact_field::ContactField;
@@ -37,7 +37,8 @@ impl Solver {
         self.load_step_from(&Origin::all(), drive, ahead)
     }
 
-    /// [`Solver::load_step`] from these starts only. The engine ends in the equilibrium, or where the last start has led.
+    /// [`Solver::load_step`] from these starts only. The engine ends in the equilibrium, or where the last start has
+    /// led.
     pub(in crate::solve) fn load_step_from(
         &mut self,
         starts: &[Origin],
@@ -52,7 +53,7 @@ impl Solver {
         let from = self.snapshot();
         let mut ended = Err(Failed::from(Status::MaxIterations));
         for &origin in starts {
-            let outcome = self.start(origin, (drive, ahead, &from), &mut report);
+            let outcome = self.start(origin, Task { drive, ahead }, &from, &mut report);
             let Some(outcome) = outcome.transpose() else { continue };
             let max_escapes = self.max_escapes(origin);
             ended = outcome.and_then(|increment| self.enforce_contact(increment, max_escapes, &mut report));
@@ -80,13 +81,14 @@ impl Solver {
     fn start(
         &mut self,
         origin: Origin,
-        (drive, ahead, from): (&PrescribedMotion, &Ahead, &Snapshot),
+        task: Task,
+        from: &Snapshot,
         report: &mut StepReport,
     ) -> Result<Option<f64>, Failed> {
         if origin == Origin::CoreLaw {
-            return self.continue_over_laws(drive, report).map(Some);
+            return self.continue_over_laws(task.drive, report).map(Some);
         }
-        let guess = self.guess(origin, (drive, ahead), &mut report.iterations_on_other_meshes)?;
+        let guess = self.guess(origin, task, &mut report.iterations_on_other_meshes)?;
         let Some(guess) = guess else { return Ok(None) };
         self.take(&guess);
         if !self.is_promising(&guess)? {
@@ -100,8 +102,8 @@ impl Solver {
         self.search(drive, &options, report).map(Some)
     }
 
-    /// Unstable equilibria that a step from a start may leave in a row: none along a branch, at whose end the descent begins
-    /// from the last stable state.
+    /// Unstable equilibria that a step from a start may leave in a row: none along a branch, at whose end the descent
+    /// begins from the last stable state.
     fn max_escapes(&self, origin: Origin) -> usize {
         if origin == Origin::CoreLaw { self.options.max_escapes } else { 0 }
     }
@@ -129,6 +131,7 @@ impl Solver {
             max_escapes: self.options.max_escapes,
             rough: None,
             near_rest: false,
+            leaving: None,
             forces: &[],
             uncertainty: f64::INFINITY,
         }
@@ -179,8 +182,8 @@ mod tests {
     use crate::solve::load_step::predictor::Prediction;
     use crate::solve::options::Options;
 
-    /// Symptom: cables took hundreds of iterations a step from predicted states in which contact had hundreds of times the
-    /// energy of the rods.
+    /// Symptom: cables took hundreds of iterations a step from predicted states in which contact had hundreds of times
+    /// the energy of the rods.
     #[test]
     fn a_prediction_that_presses_strands_together_is_no_start() {
         // two rods, twisted, side by side

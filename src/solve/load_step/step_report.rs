@@ -110,16 +110,16 @@ pub struct StepReport {
     /// Number of unstable equilibria left.
     pub escapes: usize,
     /// Energy that the step set free by leaving its branch \[F·L\]: what its start and the work of supports, loads and
-    /// ramped numbers would have come to on it, less what is kept. 0 where the branch was followed (its energy is then met
-    /// to a tenth of the work), for a start state, and where no potential is known.
+    /// ramped numbers would have come to on it, less what is kept. 0 where the branch was followed (its energy is then
+    /// met to a tenth of the work), for a start state, and where no potential is known.
     pub energy_released: f64,
     /// Unstable directions of the final state.
     pub num_unstable: usize,
     /// Worst penetration over the smallest contact radius; 0 without contact.
     pub penetration: f64,
     /// Σ force × gap over the elastic energy, of contacts that the offsets of an augmented Lagrangian hold open beside
-    /// others that touch: by so much is the energy too high. They are released until it is 1e-9, but for contacts none of
-    /// whose nodes is theirs alone, so near are their neighbours; 0 without contact and under other laws.
+    /// others that touch: by so much is the energy too high. They are released until it is 1e-9, but for contacts none
+    /// of whose nodes is theirs alone, so near are their neighbours; 0 without contact and under other laws.
     pub complementarity: f64,
     /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise.
     /// Gaps are enforced all the same; a point contact is spread wider by the cube root of it.

@@ -6,7 +6,7 @@ use crate::error::{InputError, SolveError};
 use crate::scene::{Model, Ramp, Stage};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::measures::{FINE, NOTHING};
+use crate::solve::measures::NOTHING;
 use crate::solve::options::Options;
 use crate::solve::path::failure::Failure;
 use crate::solve::path::given::Given;
@@ -14,6 +14,9 @@ use crate::solve::path::restart::{Place, Restart};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::timing::Instant;
+
+/// Part of a step up to which two steps end at the same place, because fractions are sums of halves.
+const SAME_STEP: f64 = 1e-6;
 
 /// State after an accepted step, for the observer.
 #[derive(Debug, Clone, Copy)]
@@ -157,10 +160,10 @@ struct Portion {
 }
 
 impl Portion {
-    /// The next of at most `size` of the stage. After a step that was halved it ends where that one would have ended, on
-    /// the grid of steps `full`.
+    /// The next of at most `size` of the stage. After a step that was halved it ends where that one would have ended,
+    /// on the grid of steps `full`.
     fn next(done: f64, size: f64, full: f64) -> Self {
-        let planned = ((done / full + FINE).floor() + 1.0) * full - done;
+        let planned = ((done / full + SAME_STEP).floor() + 1.0) * full - done;
         let size = size.min(planned);
         // ramps are measured from where they are
         let take = (size / (1.0 - done)).min(1.0);
@@ -214,7 +217,7 @@ impl LoadStepping<'_, '_> {
     fn run_stage(&mut self, stage: &Stage) -> Result<Status, RunError> {
         // of the whole stage, also where it is taken up half-way
         let rounds = self.solver.largest_round(&stage.ramps) / (1.0 - self.place.fraction) / Ramp::MAX_ROUND;
-        let full = 1.0 / (stage.steps as f64).max((rounds - FINE).ceil());
+        let full = 1.0 / (stage.steps as f64).max((rounds - SAME_STEP).ceil());
         let mut size = self.place.step_size.min(full);
         self.solver.change_supports(&stage.ramps)?;
         if self.place.fraction == 0.0 {

@@ -6,24 +6,28 @@ use crate::math::quaternion::spin;
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Vec3, parallel};
 use crate::rod::element::raw_strains;
-use crate::solve::measures::{SAME, SLIGHT};
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
+/// Deviation of fitted tangents, rad, from which they are renewed, because forces change by as little.
+const FOLLOWED: f64 = 1e-3;
+/// Shear from which tangents are fitted, because up to it directors are off by a hundredth.
+const SHEARED: f64 = 0.1;
+
 impl Engine {
-    /// Tangents for a state: d3 along rods that are nowhere sheared by more than [`SLIGHT`].
+    /// Tangents for a state: d3 along rods that are nowhere sheared by more than [`SHEARED`].
     pub(in crate::solve) fn tangents_of(&self, state: &State) -> MaterialTangents {
         self.replaced(&MaterialTangents::directors(self.num_nodes()), state)
     }
 
-    /// The tangents of a state along rods where one of those known is off by more than [`SAME`], or [`SLIGHT`] where they
+    /// The tangents of a state along rods where one of those known is off by more than [`FOLLOWED`], or [`SHEARED`] where they
     /// are directors. A rod has either all its tangents or none, because a jump from one node to the next would be a bend.
     fn replaced(&self, MaterialTangents(known): &MaterialTangents, state: &State) -> MaterialTangents {
         let mut tangents = self.measured_tangents(state);
         for nodes in (0..self.model.rods.len()).map(|rod| self.nodes(rod)) {
             let is_sheared = nodes.clone().any(|n| known[n] != Vec3::z());
-            let tol = if is_sheared { SAME } else { SLIGHT };
+            let tol = if is_sheared { FOLLOWED } else { SHEARED };
             let is_off = |n: usize| known[n].angle(&tangents[n]) > tol;
             if !nodes.clone().any(is_off) {
                 tangents[nodes.clone()].copy_from_slice(&known[nodes]);

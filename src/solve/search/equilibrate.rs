@@ -15,8 +15,7 @@ impl Workspace {
     /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in
     /// one step, across indefinite tangents between two stable states. It comes first, too, near an equilibrium. The
     /// trust-region search follows if it does not converge, if strands would touch or pass each other, and when leaving
-    /// an unstable state (`leaving`). It ends, not converged, when the potential falls below the value of `leaving`, which
-    /// is enough to know that a motion is not neutral.
+    /// an unstable state (`options.leaving`).
     ///
     /// # Errors
     /// Numerical breakdown; the report says whether the search converged.
@@ -25,8 +24,8 @@ impl Workspace {
         engine: &mut Engine,
         drive: &PrescribedMotion,
         options: &SearchOptions,
-        leaving: Option<f64>,
     ) -> Result<NewtonReport, SolveError> {
+        let leaving = options.leaving;
         let Lifted { state: mut start, drive, .. } = lifted(engine, &engine.state, drive);
         engine.swivels.iter().for_each(|swivel| swivel.restore(&mut start));
         let drive = &drive;
@@ -55,7 +54,7 @@ impl Workspace {
             }
             engine.state = start;
         }
-        let mut report = self.trust_region_search(engine, drive, options, leaving.unwrap_or(f64::NEG_INFINITY))?;
+        let mut report = self.trust_region_search(engine, drive, options)?;
         spent.append(&mut report.iterations);
         report.iterations = spent;
         Ok(report)

@@ -2,12 +2,18 @@
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::{CONTRACTION, IN_VAIN};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::interrupt::Interrupt;
 use crate::solve::search::workspace::Workspace;
+
+/// Largest ratio of two steps in a row of a search that converges near an equilibrium, because with less gain the trust
+/// region does better.
+const CONTRACTION: f64 = 0.4;
+/// Steps in a row that were cut, or hardly shrank, after which a plain search gives up, because the first may be
+/// chance.
+const BAD_STEPS: usize = 2;
 
 /// Options of an equilibrium search; lengths are relative to the node spacing, rotations in rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,8 +89,11 @@ pub(crate) struct SearchOptions<'a> {
     pub(crate) rough: Option<f64>,
     /// The search starts from an equilibrium under slightly different pressures: its first steps are plain.
     pub(crate) near_rest: bool,
-    /// Shear forces and tension of the first linearisation, per element and integration point \[F\]; empty: those of the
-    /// state.
+    /// For a search that leaves an unstable equilibrium: the potential \[F·L\] below which it ends, not converged,
+    /// which is enough to know that the motion is not neutral.
+    pub(crate) leaving: Option<f64>,
+    /// Shear forces and tension of the first linearisation, per element and integration point \[F\]; empty: those of
+    /// the state.
     pub(crate) forces: &'a [[[f64; 3]; 3]],
     /// Rotations, rad, from the start to the end, by the order of magnitude; infinite: not known.
     pub(crate) uncertainty: f64,
@@ -92,9 +101,9 @@ pub(crate) struct SearchOptions<'a> {
 
 impl SearchOptions<'_> {
     /// The same of a search of whose end nothing is known.
-    pub(crate) fn from_anywhere(&self) -> SearchOptions<'static> {
-        let Self { newton, max_escapes, rough, near_rest, .. } = self.clone();
-        SearchOptions { newton, max_escapes, rough, near_rest, forces: &[], uncertainty: f64::INFINITY }
+    pub(crate) fn without_foresight(&self) -> SearchOptions<'static> {
+        let Self { newton, max_escapes, rough, near_rest, leaving, .. } = self.clone();
+        SearchOptions { newton, max_escapes, rough, near_rest, leaving, forces: &[], uncertainty: f64::INFINITY }
     }
 }
 
@@ -170,7 +179,7 @@ impl Divergence {
         self.cut_steps = if fraction < 1.0 { self.cut_steps + 1 } else { 0 };
         self.growing = if increment > CONTRACTION * self.last { self.growing + 1 } else { 0 };
         self.last = increment;
-        self.cut_steps >= IN_VAIN || near_rest && self.growing >= IN_VAIN
+        self.cut_steps >= BAD_STEPS || near_rest && self.growing >= BAD_STEPS
     }
 }
 

@@ -118,8 +118,8 @@ impl DoubleHelix {
         Screw::measure(state, order, middle, count).map(|screw| Self { order, middle, screw })
     }
 
-    /// Where a node comes from if the strands become longer by `strand` nodes each; `n` counts nodes from where the first
-    /// one was before. Both together are whole numbers.
+    /// Where a node comes from if the strands become longer by `strand` nodes each; `n` counts nodes from where the
+    /// first one was before. Both together are whole numbers.
     pub(super) fn origin(&self, n: f64, strand: f64) -> NodeOrigin {
         let [from, to] = self.middle.map(|node| node as f64);
         let [first, second] = self.screw.spins;

@@ -1,19 +1,20 @@
 //! Growth of a plectoneme, the predicted state of a rod that is turned at its end.
 //!
-//! A plectoneme between two tails (magnetic tweezers) takes up rod from them while it is wound, and gives rod back while it
-//! is unwound. Its end loop, its double helix, the transitions to the tails and the tails themselves stay what they are;
-//! only their lengths change. No node moves along a smooth path meanwhile: those that enter the double helix wind about
-//! each other by a whole turn a turn. So the state is not extrapolated node by node but put together from the last one:
+//! A plectoneme between two tails (magnetic tweezers) takes up rod from them while it is wound, and gives rod back
+//! while it is unwound. Its end loop, its double helix, the transitions to the tails and the tails themselves stay what
+//! they are; only their lengths change. No node moves along a smooth path meanwhile: those that enter the double helix
+//! wind about each other by a whole turn a turn. So the state is not extrapolated node by node but put together from
+//! the last one:
 //!
 //! ```text
 //! tail | rest of the tail and transition, moved along the rod | longer double helix with its end loop | and back
 //! ```
 //!
-//! How much longer the double helix is (`double_helix`) follows from the turn of the end, to which an element more of it
-//! and one less of the tails contribute the same everywhere: not by a whole number of elements. Double helix and end loop
-//! move by whole elements, because elements at rest are to stay so; the transitions and the tails, which bend less, take
-//! up the rest. The longer tail gives first, because where the plectoneme lies between its tails costs next to nothing,
-//! but its way from the end of a tail that is used up is long.
+//! How much longer the double helix is (`double_helix`) follows from the turn of the end, to which an element more of
+//! it and one less of the tails contribute the same everywhere: not by a whole number of elements. Double helix and end
+//! loop move by whole elements, because elements at rest are to stay so; the transitions and the tails, which bend
+//! less, take up the rest. The longer tail gives first, because where the plectoneme lies between its tails costs next
+//! to nothing, but its way from the end of a tail that is used up is long.
 
 use std::f64::consts::TAU;
 
@@ -23,10 +24,17 @@ use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Rod};
 use crate::solve::load_step::guess::{Guess, LawInForce};
 use crate::solve::load_step::plectoneme::double_helix::{DoubleHelix, NodeOrigin, turn_about_d3};
-use crate::solve::measures::{ARC, ROUGH, SAME};
+use crate::solve::measures::ARC;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
 use crate::solve::problem::state::State;
+
+/// Largest distance, over the contact distance, of a double helix from its screw motion, because meshes do not tell
+/// them apart.
+const MAX_MISFIT: f64 = 1e-3;
+/// Gap, over the contact radius, of strands that form a double helix, because all segments as near as this are
+/// candidates of contact.
+const NEAR: f64 = 0.03;
 
 /// A plectoneme of an open rod.
 struct OpenPlectoneme {
@@ -179,11 +187,11 @@ fn is_uniform(engine: &Engine, rod: &Rod) -> bool {
         && (1..last).all(|n| engine.free[n] == [true; 6])
 }
 
-/// Nodes of the longest double helix with those opposite, whose neighbours follow each other backwards. It depends on the
-/// state alone: all segments as near as this are candidates of contact.
+/// Nodes of the longest double helix with those opposite, whose neighbours follow each other backwards. It depends on
+/// the state alone: all segments as near as this are candidates of contact.
 fn longest_double_helix(engine: &Engine, rod: &Rod) -> Option<Vec<[usize; 2]>> {
     let (side, state) = (engine.contact.as_ref()?, &engine.state);
-    let near = (2.0 + 3.0 * ROUGH) * side.min_radius;
+    let near = (2.0 + NEAR) * side.min_radius;
     let mut opposite: Vec<Option<(f64, [usize; 2])>> = vec![None; state.positions.len()];
     for pair in side.broad_phase.pairs() {
         let (first, second) = (pair[0].min(pair[1]) as usize, pair[0].max(pair[1]) as usize);
@@ -233,8 +241,8 @@ impl Tail {
         }
     }
 
-    /// Share of a node in what the tail moves aside, and how much that grows to the next node. It begins and ends without a
-    /// slope.
+    /// Share of a node in what the tail moves aside, and how much that grows to the next node. It begins and ends
+    /// without a slope.
     fn share(&self, n: f64) -> [f64; 2] {
         let length = self.length - self.taken;
         let x = (n / length).clamp(0.0, 1.0);
@@ -282,7 +290,7 @@ impl OpenPlectoneme {
             return None;
         }
         let helix = DoubleHelix::measure(&engine.state, rod.order, middle, count)?;
-        let same = SAME * 2.0 * engine.contact.as_ref()?.min_radius;
+        let same = MAX_MISFIT * 2.0 * engine.contact.as_ref()?.min_radius;
         let fits = helix.screw.misfit(&engine.state, rod.order, middle, count) <= same;
         fits.then_some(Self { ends: run[0], helix, spacing: rod.spacing() })
     }

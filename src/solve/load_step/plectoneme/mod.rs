@@ -29,8 +29,8 @@ impl Solver {
         self.below(&turned, grown).map(Some)
     }
 
-    /// The plectoneme that a short piece of a long straight rod snaps into, as long as the whole. Iterations on the piece
-    /// are added to `elsewhere`.
+    /// The plectoneme that a short piece of a long straight rod snaps into, as long as the whole. Iterations on the
+    /// piece are added to `elsewhere`.
     pub(super) fn snap_of_short_rod(
         &mut self,
         drive: &PrescribedMotion,
@@ -43,14 +43,14 @@ impl Solver {
         self.below(&turned, snapped).map(Some)
     }
 
-    /// The state with the drive lifted, if growth and snaps of plectonemes may be put together: it turns an end of a uniform
-    /// rod, and contact is augmented.
+    /// The state with the drive lifted, if growth and snaps of plectonemes may be put together: it turns an end of a
+    /// uniform rod, and contact is augmented.
     fn turned_end(&self, drive: &PrescribedMotion) -> Option<State> {
         if self.augments() { growth::turned_end(&self.engine, drive) } else { None }
     }
 
-    /// A guess that must lower the potential, without stretch and shear, from that of the present state with the drive's
-    /// turn spread along the rod.
+    /// A guess that must lower the potential, without stretch and shear, from that of the present state with the
+    /// drive's turn spread along the rod.
     fn below(&mut self, turned: &State, guess: Guess) -> Result<Guess, SolveError> {
         let ceiling = Some(self.engine.potential_at(turned)?.without_stretch_and_shear());
         Ok(Guess { ceiling, ..guess })

@@ -1,10 +1,10 @@
 //! Periodic extension: the start of a long plectoneme from the equilibrium of a short one.
 //!
-//! A long plectoneme is uniform but near its end loops, and these are the same at any length. So where the start state of a
-//! closed rod is a uniform double helix in the middle, elements are cut out of it, and the short rod is brought to rest.
-//! Then the elements are put back, in the shape of the short rod's middle (`double_helix`), and the rod closes again
-//! exactly. The short rod's link is chosen so that the long one keeps its own. The long rod then comes to rest from there
-//! like from any other state, or says that it does not.
+//! A long plectoneme is uniform but near its end loops, and these are the same at any length. So where the start state
+//! of a closed rod is a uniform double helix in the middle, elements are cut out of it, and the short rod is brought to
+//! rest. Then the elements are put back, in the shape of the short rod's middle (`double_helix`), and the rod closes
+//! again exactly. The short rod's link is chosen so that the long one keeps its own. The long rod then comes to rest
+//! from there like from any other state, or says that it does not.
 //!
 //! Pressures are smoothed on the short rod first ([`Solver::smooth_pressures`]). Otherwise ripples of elements that
 //! face each other let strands slide along each other in waves: the curvature of the energy along these is negative by
@@ -21,10 +21,18 @@ use crate::solve::load_step::guess::{Ahead, Guess, LawInForce};
 use crate::solve::load_step::plectoneme::double_helix::{DoubleHelix, NodeOrigin, Screw};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::Status;
-use crate::solve::measures::{FEW, MAX_ROUNDS, ROUNDING, SAME};
+use crate::solve::measures::{MAX_ROUNDS, ROUNDING};
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, twist};
 use crate::solve::problem::state::State;
 use crate::solve::search::timing::Timings;
+
+/// Times that pressures are smoothed, because the second time corrects and the third confirms.
+const SMOOTHINGS: usize = 3;
+/// Link, turns, that may be missing on the long rod, because its twist takes up as little.
+const SAME_LINK: f64 = 1e-3;
+/// Distance over the node spacing, and turn, rad, up to which two states are the same, because meshes do not tell them
+/// apart.
+const SAME_SHAPE: f64 = 1e-3;
 
 /// Turns of the superhelix that the short rod keeps. More are tried if it does not converge, because longer ones may.
 const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
@@ -87,9 +95,9 @@ fn moved(mut state: State, there: &Vec3) -> State {
 }
 
 impl Solver {
-    /// Where the state is a long plectoneme that nothing holds or moves: one whose ends are at rest, with the contact offsets
-    /// that hold them there. None where it is not, or where the short rod does not come to rest. Iterations on the short rod
-    /// are added to `elsewhere`.
+    /// Where the state is a long plectoneme that nothing holds or moves: one whose ends are at rest, with the contact
+    /// offsets that hold them there. None where it is not, or where the short rod does not come to rest. Iterations on
+    /// the short rod are added to `elsewhere`.
     pub(in crate::solve::load_step) fn periodic_extension(
         &mut self,
         drive: &PrescribedMotion,
@@ -110,7 +118,7 @@ impl Solver {
         let cut = self.cut(rod, turns)?;
         let mut short = self.shortened(rod, &cut)?;
         let mut iterations = short.comes_to_rest(&PrescribedMotion::default(), &Ahead::Unknown)?;
-        for _ in 0..FEW {
+        for _ in 0..SMOOTHINGS {
             short.smooth_pressures();
             iterations += short.comes_to_rest(&PrescribedMotion::default(), &Ahead::Present)?;
         }
@@ -124,7 +132,7 @@ impl Solver {
             let link = state.seams[0] / TAU;
             let long = self.extended(rod, state, &cut, &helix)?;
             let missing = wanted - long.seams[0] / TAU;
-            if missing.abs() <= SAME {
+            if missing.abs() <= SAME_LINK {
                 let made = origins(&helix, state.positions.len(), cut.elements as isize);
                 return self.in_contact_as(&short, long, &made, iterations);
             }
@@ -138,7 +146,8 @@ impl Solver {
         None
     }
 
-    /// The only rod, if it is a uniform ring that nothing but its own contact holds, and no offsets of contact are known.
+    /// The only rod, if it is a uniform ring that nothing but its own contact holds, and no offsets of contact are
+    /// known.
     fn free_uniform_ring(&self) -> Option<&Rod> {
         let (model, state) = (&self.engine.model, &self.engine.state);
         let side = self.engine.contact.as_ref()?;
@@ -150,8 +159,8 @@ impl Solver {
         (free && unloaded && uniform && side.offsets.values.iter().all(|c| *c == 0.0)).then_some(rod)
     }
 
-    /// The cut that leaves so many turns and the end loops; `None` unless at least half of the rod is cut out, because less
-    /// is not worth it.
+    /// The cut that leaves so many turns and the end loops; `None` unless at least half of the rod is cut out, because
+    /// less is not worth it.
     fn cut(&self, rod: &Rod, turns: f64) -> Option<Cut> {
         let side = self.engine.contact.as_ref()?;
         let (order, elements) = (rod.order, rod.num_elements);
@@ -184,7 +193,8 @@ impl Solver {
         Some(long)
     }
 
-    /// The long rod `made` of the short one, moved to where it was and twisted to its own link, with the short one's contact.
+    /// The long rod `made` of the short one, moved to where it was and twisted to its own link, with the short one's
+    /// contact.
     fn in_contact_as(&self, short: &Self, long: State, made: &[NodeOrigin], iterations: usize) -> Option<Lengthened> {
         let before = &self.engine.state;
         let mut long = moved(long, &centre(before));
@@ -223,8 +233,8 @@ impl Solver {
 }
 
 fn is_same(a: &State, b: &State, spacing: f64) -> bool {
-    let near = |(p, q): (&Vec3, &Vec3)| (p - q).norm() <= SAME * spacing;
-    let aligned = |(p, q): (&Quat, &Quat)| p.angle_to(q) <= SAME;
+    let near = |(p, q): (&Vec3, &Vec3)| (p - q).norm() <= SAME_SHAPE * spacing;
+    let aligned = |(p, q): (&Quat, &Quat)| p.angle_to(q) <= SAME_SHAPE;
     a.positions.iter().zip(&b.positions).all(near) && a.frames.iter().zip(&b.frames).all(aligned)
 }
 
@@ -325,7 +335,7 @@ mod tests {
         assert!(short.iterations <= 10 && usual.iterations > 3 * short.iterations, "{}", usual.iterations);
         let energy =
             |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum::<f64>();
-        for _ in 0..FEW {
+        for _ in 0..SMOOTHINGS {
             slow.smooth_pressures();
             let report = slow.resettle();
             assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
@@ -357,7 +367,7 @@ mod tests {
         assert_eq!(solver.solve_step(&PrescribedMotion::default()).status, Status::Converged);
         let before = stiffness_of_sliding(&mut solver);
         assert!(before < 0.0, "{before}");
-        for _ in 0..FEW {
+        for _ in 0..SMOOTHINGS {
             solver.smooth_pressures();
             assert_eq!(solver.resettle().status, Status::Converged);
         }

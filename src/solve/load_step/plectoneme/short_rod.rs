@@ -1,8 +1,8 @@
 //! Snap of a long straight rod into a plectoneme, made on a short one.
 //!
-//! Pulled and turned far enough, a straight rod snaps into a plectoneme between two straight tails (magnetic tweezers). Its
-//! end loop and its transitions are the same on a rod of any length, its double helix and its tails are uniform. So a piece
-//! of the rod is turned until it snaps, and brought to rest; then its double helix and its tails are lengthened
+//! Pulled and turned far enough, a straight rod snaps into a plectoneme between two straight tails (magnetic tweezers).
+//! Its end loop and its transitions are the same on a rod of any length, its double helix and its tails are uniform. So
+//! a piece of the rod is turned until it snaps, and brought to rest; then its double helix and its tails are lengthened
 //! ([`Exchange`](super::growth)) to the length and the turns of the whole. The long rod comes to rest from there like
 //! from any other state, or says that it does not.
 
@@ -13,19 +13,23 @@ use crate::solve::load_step::guess::Guess;
 use crate::solve::load_step::plectoneme::growth::{longer, twist};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::Status;
-use crate::solve::measures::{MAX_ROUNDS, NOTHING, SLIGHT};
+use crate::solve::measures::{MAX_ROUNDS, NOTHING};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
 
-/// Length of the short rod, in lengths (B/T)^½ over which tension T straightens a rod of bending stiffness B: a loop and
-/// its transitions take some ten, and as many are to be left of each tail, along which bending decays by e per length.
+/// Turn by which the short rod is turned farther, over its turn, until it snaps.
+const MORE_TURN: f64 = 0.1;
+
+/// Length of the short rod, in lengths (B/T)^½ over which tension T straightens a rod of bending stiffness B: a loop
+/// and its transitions take some ten, and as many are to be left of each tail, along which bending decays by e per
+/// length.
 const LENGTHS: f64 = 30.0;
 
 impl Solver {
-    /// The plectoneme that a uniform rod snaps into whose end turns ([`turned_end`](super::growth::turned_end)); `None` if
-    /// it is not straight, not long, stable, or if loads or planes make places of it differ. Iterations on the short rod are
-    /// added to `elsewhere`.
+    /// The plectoneme that a uniform rod snaps into whose end turns ([`turned_end`](super::growth::turned_end)); `None`
+    /// if it is not straight, not long, stable, or if loads or planes make places of it differ. Iterations on the short
+    /// rod are added to `elsewhere`.
     pub(super) fn snapped_short(&mut self, to: &State, elsewhere: &mut usize) -> Option<Guess> {
         let nodes = short_length(&self.engine)?;
         if !self.is_unstable(to)? {
@@ -35,7 +39,7 @@ impl Solver {
         let mut iterations = 0;
         let mut turned = twist(&short.engine.state);
         for round in 0..MAX_ROUNDS {
-            let angle = if round == 0 { 0.0 } else { SLIGHT * turned };
+            let angle = if round == 0 { 0.0 } else { MORE_TURN * turned };
             let report = short.solve_step(&short.turn(angle));
             turned += angle;
             iterations += report.iterations;
@@ -129,8 +133,8 @@ mod tests {
         (solver, drive)
     }
 
-    /// A long rod comes to rest with its link, and where it does the slow way, from the straight rod under the core law, in
-    /// a small part of the iterations.
+    /// A long rod comes to rest with its link, and where it does the slow way, from the straight rod under the core
+    /// law, in a small part of the iterations.
     #[test]
     fn long_rods_snap_as_short_ones_do() {
         // of 240 elements the slow way a loop passes over the end that slides
