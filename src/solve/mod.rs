@@ -15,7 +15,7 @@ pub(crate) mod problem;
 mod search;
 
 pub use load_step::solver::Solver;
-pub use load_step::step_report::{Status, StepReport};
+pub use load_step::step_report::{Attempt, Origin, Status, StepReport};
 pub use options::Options;
 pub use path::continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, PointKind, Start};
 pub use path::failure::{Failure, Overlap, RodPoint, TightBend};

@@ -1,4 +1,4 @@
-//! Long plectonemes that start from short ones at rest (`src/solve/load_step/periodic_extension.rs`).
+//! Long plectonemes that start from short ones at rest (`src/solve/load_step/plectoneme/periodic_extension.rs`).
 //!
 //! ```text
 //!     ⊂XXXXXXXXXXXXXXXXXXXXXXXXXXXXXX⊃    DNA at supercoiling density −0.06, D = 5 nm, nodes D/3 apart (units nm, pN)

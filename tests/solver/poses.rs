@@ -114,7 +114,7 @@ fn ways_to_poses_are_predicted() {
     let (mut predicted, mut steps) = (0, 0);
     let solution = run(clamped(), &bent(), &Options::default(), &mut |progress| {
         steps += 1;
-        predicted += usize::from(progress.report.predicted);
+        predicted += usize::from(progress.report.is_predicted());
         ControlFlow::Continue(())
     })
     .unwrap();

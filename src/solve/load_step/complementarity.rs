@@ -1,9 +1,9 @@
 //! Violation of complementarity: contacts that offsets hold open.
 //!
 //! The augmented Lagrangian raises and lowers an offset by the smallest gap in a window ([`Solver::contact_errors`]),
-//! as a single contact needs it. A contact within the window of another one that touches would keep its force over any gap,
-//! in a stable equilibrium with too much energy. So contacts are separated here. A chain of pieces of zones is
-//! one contact, and its gap is the smallest in it: ripples of elements in line contact are within one contact and do not
+//! as a single contact needs it. A contact within the window of another one that touches would keep its force over any
+//! gap, in a stable equilibrium with too much energy. So contacts are separated here. A chain of pieces of zones is one
+//! contact, and its gap is the smallest in it: ripples of elements in line contact are within one contact and do not
 //! count. A contact is released at the nodes that are its own, from the first augmentation on
 //! ([`Solver::outstanding`]). A contact that shares each of its nodes with touching neighbours on the same strand has
 //! none: the mesh does not resolve them, and its force is reported, not released.
@@ -11,10 +11,12 @@
 use crate::contact::chain::{ChainPiece, chains};
 use crate::contact::potential::plane::{PlanePiece, plane_runs};
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::FINE;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
+
+/// Gap, over the contact radius, from which a contact is open, because it acts like a rod thicker by this part.
+pub(super) const OPEN: f64 = 1e-6;
 
 /// Contacts that carry force over a gap.
 #[derive(Debug, Default)]
@@ -58,7 +60,7 @@ impl Solver {
         let Some(side) = self.engine.contact.as_ref().filter(holds) else { return Complementarity::default() };
         let (set, offsets) = (&side.set, &side.offsets);
         // it acts like a rod thicker by this part
-        let open = FINE * side.min_radius;
+        let open = OPEN * side.min_radius;
         let chains = chains(set, &residual.contact_pairs);
         let gap = |chain: &[ChainPiece]| chain.iter().map(|link| link.zone.min_gap).fold(f64::INFINITY, f64::min);
         let places = |chain: &[ChainPiece]| -> Vec<usize> {

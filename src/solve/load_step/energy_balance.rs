@@ -1,8 +1,8 @@
 //! Energy balance of a load step: a snap is told by the energy that is missing.
 //!
-//! Along a branch the energy E of equilibria changes by the work of what is prescribed: dE = Σ F dλ, F = ∂E/∂λ at a fixed
-//! configuration. For turns of seams F is the twisting moment, for motions of supports the reactions, for planes and
-//! contact radii the contact forces, for load factors, pressures and other numbers of rods the derivative of the
+//! Along a branch the energy E of equilibria changes by the work of what is prescribed: dE = Σ F dλ, F = ∂E/∂λ at a
+//! fixed configuration. For turns of seams F is the twisting moment, for motions of supports the reactions, for planes
+//! and contact radii the contact forces, for load factors, pressures and other numbers of rods the derivative of the
 //! potential itself. Let W₀ and W₁ be the work of a step under the forces at its start and at its end. Along a smooth
 //! branch E₁ − E₀ is ½ (W₀ + W₁) but for an error of third order.
 //!
@@ -13,13 +13,13 @@
 //! ```
 //!
 //! A step that ends lower by a tenth of the work, and whose own balance does not close, either, has left its
-//! branch by a snap. It has set free E* − E₁. Where a branch bends sharply, as a strut does that buckles, E* is missed, too,
-//! but the balance of the step after it closes.
+//! branch by a snap. It has set free E* − E₁. Where a branch bends sharply, as a strut does that buckles, E* is missed,
+//! too, but the balance of the step after it closes.
 //!
-//! The four numbers E₁ − E₀, W₀, W₁ and ΔW do not tell a small snap from a large curvature: with r = 10, a ring that loses one of two contacts
-//! has those of a smooth parabola of F. So a step that ends lower or higher by a hundredth of its work, and whose
-//! search neither began where the branch leads nor found it unstable there, is doubtful. It is made again in halves
-//! ([`Solver::advance`]), until the branch can be predicted from its own states.
+//! The four numbers E₁ − E₀, W₀, W₁ and ΔW do not tell a small snap from a large curvature: with r = 10, a ring that
+//! loses one of two contacts has those of a smooth parabola of F. So a step that ends lower or higher by a hundredth of
+//! its work, and whose search neither began where the branch leads nor found it unstable there, is doubtful. It is made
+//! again in halves ([`Solver::advance`]), until the branch can be predicted from its own states.
 //!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
@@ -28,21 +28,26 @@ use crate::math::Vec3;
 use crate::rod::RodNumber;
 use crate::scene::ContactLaw;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{LAST_PLACES, ROUNDING, SAME};
+use crate::solve::measures::{LAST_PLACES, ROUNDING};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target};
 use crate::solve::problem::state::State;
 
-/// Part of the energy set free by which the balance of a step's own forces is open at least, because it is .11 where a ring
-/// of DNA unfolds and .46 where it supercoils, and .03 in the step after a loop has buckled.
+/// Part of the change of numbers in a central difference of the potential, because the third derivative counts by its
+/// square, 1e-6, and rounding is divided by no less.
+const DIFFERENCE: f64 = 1e-3;
+
+/// Part of the energy set free by which the balance of a step's own forces is open at least, because it is .11 where a
+/// ring of DNA unfolds and .46 where it supercoils, and .03 in the step after a loop has buckled.
 const CLOSED: f64 = 0.05;
 
-/// Part of its work by which a step ends below its branch at least if it is reported as a snap, because steps that bend sharply miss
-/// their branch by a few hundredths.
+/// Part of its work by which a step ends below its branch at least if it is reported as a snap, because steps that bend
+/// sharply miss their branch by a few hundredths.
 const SNAP: f64 = 0.1;
-/// Part of its work by which the energy of a step may miss that of its branch before the step is made again in halves, because
-/// a doubt costs iterations only: a tenth of what is reported as a snap. A ring that lost one of two contacts missed it by .096.
+/// Part of its work by which the energy of a step may miss that of its branch before the step is made again in halves,
+/// because a doubt costs iterations only: a tenth of what is reported as a snap. A ring that lost one of two contacts
+/// missed it by .096.
 const DOUBTFUL: f64 = 0.01;
 
 /// Changes that a step prescribes.
@@ -126,8 +131,8 @@ impl Solver {
         Changes { drive, spun: lifted.spun.clone(), from, to }
     }
 
-    /// The balance at the present equilibrium; `None` where the energy or a force has no closed form: fixed-axis moments,
-    /// a penalty's stiffness that follows ramped numbers, charges on a rod that grows.
+    /// The balance at the present equilibrium; `None` where the energy or a force has no closed form: fixed-axis
+    /// moments, a penalty's stiffness that follows ramped numbers, charges on a rod that grows.
     pub(in crate::solve) fn balance(&mut self, changes: &Changes) -> Option<Balance> {
         let engine = &mut self.engine;
         let is_penalty = matches!(engine.model.contact.law, ContactLaw::Penalty { .. });
@@ -151,8 +156,8 @@ impl Solver {
     }
 }
 
-/// Of the work of reactions: strains are known to some units in the last place, the largest tension to that part of EA. Beams of steel
-/// that no force has reached yet have reactions of 1e-8 N.
+/// Of the work of reactions: strains are known to some units in the last place, the largest tension to that part of EA.
+/// Beams of steel that no force has reached yet have reactions of 1e-8 N.
 fn rounding_of_reactions(engine: &Engine, changes: &Changes) -> f64 {
     let stiffest = engine.model.rods.iter().map(|rod| rod.section.stretching).fold(0.0, f64::max);
     let way: f64 = changes.drive.nodes.iter().map(|(_, displacement, _)| displacement.norm()).sum();
@@ -218,5 +223,5 @@ fn work_of_numbers(engine: &mut Engine, state: &State, changes: &Changes) -> f64
         engine.potential_without_contact(&moved)
     };
     // the third derivative counts by the square of this, 1e-6, and rounding is divided by no less
-    (at(SAME) - at(-SAME)) / (2.0 * SAME)
+    (at(DIFFERENCE) - at(-DIFFERENCE)) / (2.0 * DIFFERENCE)
 }

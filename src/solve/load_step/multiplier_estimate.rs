@@ -12,10 +12,16 @@ use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{FEW, NOTHING, ROUGH};
+use crate::solve::measures::NOTHING;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
+
+/// Pressure, over the law's own, of the offsets with which strands that touch are found, and gap, over the contact
+/// distance, that the law's pressure may open, because strands nearby stay apart then.
+const PROBE: f64 = 0.01;
+/// Rounds in which strands that would pull are let go, because the third changes next to nothing.
+const ROUNDS: usize = 3;
 
 /// Largest pressure of an estimate, over the law's own.
 const LARGEST_PRESSURE: f64 = 0.5;
@@ -44,7 +50,7 @@ impl Solver {
         let Some(side) = &mut self.engine.contact else { return Ok(MultiplierEstimate::default()) };
         let distance = 2.0 * side.min_radius;
         // so little pressure that strands nearby stay apart
-        let probe = law.overlap(ROUGH * scale, distance);
+        let probe = law.overlap(PROBE * scale, distance);
         side.law = law;
         let [num_nodes, num_planes] = side.size();
         side.offsets = ContactField::uniform(num_nodes, num_planes, probe);
@@ -56,7 +62,7 @@ impl Solver {
         let rest: Vec<f64> = probed.contact_gradient.iter().zip(&probed.gradient).map(|(c, g)| c - g).collect();
         let mut multiplier_estimate = MultiplierEstimate::default();
         let mut reach = vec![probe; gaps.len()];
-        for _ in 0..FEW {
+        for _ in 0..ROUNDS {
             let Some((forces, push)) = self.respond_stiffly(&rest, &reach, scale, distance)? else { break };
             multiplier_estimate.forces = forces;
             let works = self.works_apart(&probed, &push);
@@ -93,7 +99,7 @@ impl Solver {
         let state = self.engine.state.clone();
         let Some(side) = &mut self.engine.contact else { return Ok(None) };
         // the law's pressure opens no gap by more than this part of the contact distance
-        side.law = Law::Linear { stiffness: scale / (ROUGH * distance) };
+        side.law = Law::Linear { stiffness: scale / (PROBE * distance) };
         let reach = ContactField::of_nodes(reach, side.planes.len());
         // pressures are not known yet: the geometric part of contact is left out
         side.before = Some((Law::Linear { stiffness: NOTHING * scale / distance }, reach));

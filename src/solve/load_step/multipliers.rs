@@ -2,13 +2,25 @@
 
 use crate::contact::curve::CurveSet;
 use crate::contact::law::{Law, shortest_line};
-use crate::solve::load_step::complementarity::Complementarity;
+use crate::solve::load_step::complementarity::{Complementarity, OPEN};
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{FARTHEST, FEW, FINE, IN_VAIN, NOTHING, SLIGHT};
+use crate::solve::measures::NOTHING;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_gaps::smallest_gaps;
 use crate::solve::problem::contact_side::ContactSide;
+
+/// Largest growth of a secant step from one augmentation to the next, because an extrapolation to twice the distance of
+/// what is known has twice to four times its error.
+const MAX_SECANT_GROWTH: f64 = 2.0;
+/// Augmentations in which offsets are lowered and raised at once, because they come from another law. Later both
+/// together may never end.
+const FREE_ROUNDS: usize = 3;
+/// Releases that did not halve a gap after which there are no more, because the secant needs two tries to find how fast
+/// a gap closes.
+const MAX_RELEASES: usize = 2;
+/// Pressure over that of the core law at which its stiffness counts, because strands are pressed by about as much.
+const TYPICAL_PRESSURE: f64 = 0.1;
 
 /// Violation of the contact conditions, by nodes and in all.
 #[derive(Debug, Default)]
@@ -66,8 +78,8 @@ impl Solver {
 
     /// Sets offsets for which the pressures at the present gaps are the means of the present ones over an element.
     /// Elements in line contact have ripples, which uniform offsets turn into ripples of pressure. Where ripples of two
-    /// strands face each other, the strands would lower the energy by sliding; under smooth pressures sliding raises it.
-    /// For a single closed rod.
+    /// strands face each other, the strands would lower the energy by sliding; under smooth pressures sliding raises
+    /// it. For a single closed rod.
     pub(in crate::solve) fn smooth_pressures(&mut self) {
         let gaps = self.node_gaps();
         let (nodes, order) = (gaps.len(), self.engine.model.rods[0].order);
@@ -136,11 +148,11 @@ impl Solver {
         ContactErrors { gaps, penetration }
     }
 
-    /// Arc length \[L\] within which an offset belongs to a contact (with a plane, without a master), and is raised and lowered by its smallest gap:
-    /// where the contact may still be one and the same point. In a wider window an offset would see other contacts
-    /// too, not be lowered while strands touch there, and hold open strands that are apart at its own place; in a narrower one
-    /// it would be raised at wave numbers q that the rods do not follow: of these an augmentation mends only a share
-    /// κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
+    /// Arc length \[L\] within which an offset belongs to a contact (with a plane, without a master), and is raised and
+    /// lowered by its smallest gap: where the contact may still be one and the same point. In a wider window an offset
+    /// would see other contacts too, not be lowered while strands touch there, and hold open strands that are apart at
+    /// its own place; in a narrower one it would be raised at wave numbers q that the rods do not follow: of these an
+    /// augmentation mends only a share κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
     pub(in crate::solve) fn window(&self, side: &ContactSide, slave: usize, master: Option<usize>) -> f64 {
         let rod = |segment: usize| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])];
         let (a, b) = (rod(slave), master.map(rod));
@@ -150,15 +162,15 @@ impl Solver {
             Law::Linear { stiffness } => stiffness,
             Law::Core { pressure, .. } => {
                 let distance = 2.0 * side.min_radius;
-                side.law.response(side.law.overlap(SLIGHT * pressure, distance), distance).stiffness
+                side.law.response(side.law.overlap(TYPICAL_PRESSURE * pressure, distance), distance).stiffness
             }
         };
         let half_point = 0.5 * shortest_line(stiffness, bending);
         half_point.max(a.length / a.num_elements as f64)
     }
 
-    /// Next task until penetrations are within a tolerance, relative to the contact radius, and no gap is held open that
-    /// can be released.
+    /// Next task until penetrations are within a tolerance, relative to the contact radius, and no gap is held open
+    /// that can be released.
     pub(in crate::solve) fn outstanding(&self, tol: f64, secant_steps: &mut SecantSteps) -> Outstanding {
         if self.engine.contact.is_none() {
             return Outstanding { penetration: 0.0, complementarity: Some(0.0), gaps: None };
@@ -168,9 +180,9 @@ impl Solver {
         let met = penetration <= tol;
         let mut outstanding = Outstanding { penetration, complementarity: None, gaps: None };
         let mut releases = false;
-        // at first offsets are both lowered and raised, because they come from another law; later they are lowered only if
-        // nothing is to be raised, because both together may never end (a ply of three strands)
-        if secant_steps.rounds < FEW || met {
+        // at first offsets are both lowered and raised, because they come from another law; later they are lowered only
+        // if nothing is to be raised, because both together may never end (a ply of three strands)
+        if secant_steps.rounds < FREE_ROUNDS || met {
             let Complementarity { work, releasable, gaps: own } = self.complementarity(&residual);
             outstanding.complementarity = met.then_some(work);
             if let Some(side) = self.engine.contact.as_ref().filter(|_| releasable > NOTHING) {
@@ -184,11 +196,11 @@ impl Solver {
         outstanding
     }
 
-    /// Raises the offsets by the smallest gap near each node, and lowers them by secant steps where it is too wide, never
-    /// below zero.
+    /// Raises the offsets by the smallest gap near each node, and lowers them by secant steps where it is too wide,
+    /// never below zero.
     pub(in crate::solve) fn augment(&mut self, gaps: &ContactField, secant_steps: &mut SecantSteps) {
         let Some(side) = &mut self.engine.contact else { return };
-        let open = FINE * side.min_radius;
+        let open = OPEN * side.min_radius;
         let before = side.offsets.at_places_of(&side.set, gaps);
         secant_steps.adapt(&side.set, gaps, open);
         let raised = |k: usize, gap: f64| {
@@ -217,8 +229,8 @@ pub(in crate::solve) struct SecantSteps {
 }
 
 impl SecantSteps {
-    /// Gaps to release: none where that was in vain. On lines of contact along a coarse mesh the ripples of elements stay
-    /// open; the secant needs two tries to find how fast a gap closes (`contact_held_open`).
+    /// Gaps to release: none where that was in vain. On lines of contact along a coarse mesh the ripples of elements
+    /// stay open; the secant needs two tries to find how fast a gap closes (`contact_held_open`).
     fn not_in_vain(&mut self, set: &CurveSet, gaps: &ContactField) -> ContactField {
         let [last, in_vain] = match &self.released {
             Some(fields) => fields.each_ref().map(|field| field.at_places_of(set, gaps)),
@@ -226,14 +238,14 @@ impl SecantSteps {
         };
         let again = |k: usize, gap: f64| last.values[k] > 0.0 && gap > 0.5 * last.values[k];
         let in_vain = in_vain.map(|k, count| if again(k, gaps.values[k]) { count + 1.0 } else { count });
-        let left = gaps.map(|k, gap| if in_vain.values[k] < IN_VAIN as f64 { gap } else { 0.0 });
+        let left = gaps.map(|k, gap| if in_vain.values[k] < MAX_RELEASES as f64 { gap } else { 0.0 });
         let last = last.map(|k, last| if left.values[k] > 0.0 { left.values[k] } else { last });
         self.released = Some([last, in_vain]);
         left
     }
 
-    /// Factors for these gaps: 1 where strands touch or overlap; where a gap was wider than `open` \[L\] before and still
-    /// is, the factor that would have closed it, at most [`FARTHEST`] times the last.
+    /// Factors for these gaps: 1 where strands touch or overlap; where a gap was wider than `open` \[L\] before and
+    /// still is, the factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last.
     fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, open: f64) {
         let Some(before) = &self.before else {
             self.secant_steps = gaps.map(|_, _| 1.0);
@@ -244,7 +256,7 @@ impl SecantSteps {
         self.secant_steps = gaps.map(|k, gap| {
             let stays = gap > open && before[k] > open && lowered[k] > 0.0;
             let closed = if stays { ((before[k] - gap) / lowered[k]).max(0.0) } else { 1.0 };
-            (1.0 / closed).min(FARTHEST * secant_steps[k]).max(1.0)
+            (1.0 / closed).min(MAX_SECANT_GROWTH * secant_steps[k]).max(1.0)
         });
     }
 }

@@ -1,10 +1,10 @@
 //! Large turns are made on a coarse mesh first.
 //!
 //! A step that turns a rod by several turns passes through equilibria that nobody asked for, and most of its iterations
-//! are spent on these. A fine mesh is needed for lines of contact and for digits at the end, not on the way there: strands
-//! coil as wide as they are thick or wider. So the step is made on every second to eighth node, on a mesh no coarser than
-//! that of a draft ([`Fidelity::Draft`]). The nodes between are interpolated, contact offsets too, and the whole mesh comes
-//! to rest from there. If it does not, the step is made on the whole mesh alone.
+//! are spent on these. A fine mesh is needed for lines of contact and for digits at the end, not on the way there:
+//! strands coil as wide as they are thick or wider. So the step is made on every second to eighth node, on a mesh no
+//! coarser than that of a draft ([`Fidelity::Draft`]). The nodes between are interpolated, contact offsets too, and the
+//! whole mesh comes to rest from there. If it does not, the step is made on the whole mesh alone.
 //!
 //! Smaller steps stay on the whole mesh. It would save a third of their work where they are not foreseen, too, but
 //! branches would be chosen by the coarse mesh, and the ripples of its lines of contact show in the offsets (3e-3 of
@@ -20,81 +20,78 @@ use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::rod::Natural;
 use crate::scene::{ContactLaw, Fidelity};
-use crate::solve::load_step::solve_step::TURNS_AT_ONCE;
+use crate::solve::load_step::core_law::TURNS_AT_ONCE;
+use crate::solve::load_step::guess::{Guess, LawInForce};
 use crate::solve::load_step::solver::Solver;
-use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::measures::{ROUGH, SLIGHT};
+use crate::solve::load_step::step_report::Status;
 use crate::solve::options::Options;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
 
+/// Largest overlap, over the contact radius, from which a coarse mesh starts, because strands that are farther inside
+/// each other are separated first.
+const MAX_OVERLAP: f64 = 0.01;
+/// Largest distance of the centrelines on two meshes, over the contact radius: strands in contact are two radii apart.
+const SAME_CURVE: f64 = 0.1;
+
 /// Factors between the elements of the mesh and of a coarse one.
 const FACTORS: std::ops::RangeInclusive<usize> = 2..=8;
 
 impl Solver {
-    /// Tries to come to rest after several turns from the equilibrium of a coarse mesh; true if it did, otherwise the
-    /// solver is back where it was.
-    pub(crate) fn solve_from_coarse(
+    /// The equilibrium of a coarse mesh after several turns. Iterations there are added to `elsewhere`.
+    ///
+    /// # Errors
+    /// Contact geometry that breaks down.
+    pub(super) fn coarse_mesh_guess(
         &mut self,
         drive: &PrescribedMotion,
-        report: &mut StepReport,
-    ) -> Result<bool, SolveError> {
+        elsewhere: &mut usize,
+    ) -> Result<Option<Guess>, SolveError> {
         if drive.parts(TURNS_AT_ONCE).len() < 2 || !self.augments() {
-            return Ok(false);
+            return Ok(None);
         }
-        if self.is_near_contact()? && self.contact_errors().penetration > ROUGH {
-            return Ok(false);
+        if self.is_near_contact()? && self.contact_errors().penetration > MAX_OVERLAP {
+            return Ok(None);
         }
-        let Some((factor, coarse)) = self.coarsest(drive) else { return Ok(false) };
-        let start = self.snapshot();
-        let settled = self.settle_by(coarse, factor, drive, report);
-        if !matches!(settled, Ok(true)) {
-            self.restore(start)?;
-            report.start_again();
+        let Some((factor, coarse)) = self.coarsest(drive) else { return Ok(None) };
+        let Some(guess) = self.interpolated(coarse, factor, drive, elsewhere) else { return Ok(None) };
+        let asked = Law::Linear { stiffness: self.engine.contact_stiffness() };
+        if guess.contact.as_ref().is_some_and(|contact| contact.law != asked) {
+            // a coarse mesh does not always carry the law
+            self.take(&guess);
+            self.engine.update_contact(&guess.state)?;
+            self.change_law_keeping_pressures(asked);
+            return Ok(Some(Guess { contact: self.engine.contact.as_ref().map(LawInForce::of), ..guess }));
         }
-        settled
+        Ok(Some(guess))
     }
 
-    fn settle_by(
+    /// The equilibrium of a coarse mesh under the drive, interpolated to the nodes of this one.
+    fn interpolated(
         &mut self,
         mut coarse: Self,
         factor: usize,
         drive: &PrescribedMotion,
-        report: &mut StepReport,
-    ) -> Result<bool, SolveError> {
+        elsewhere: &mut usize,
+    ) -> Option<Guess> {
         let node = |fine: usize| {
             let rod = self.engine.rod_of(fine);
             coarse.engine.first_node[rod] + (fine - self.engine.first_node[rod]) / factor
         };
         let nodes = drive.nodes.iter().map(|&(fine, by, turn)| (node(fine), by, turn)).collect();
         let made = coarse.solve_step(&PrescribedMotion { nodes, seams: drive.seams.clone() });
-        report.iterations_on_other_meshes += made.iterations;
+        *elsewhere += made.iterations;
         self.workspace.timings += coarse.workspace.timings;
         if made.status != Status::Converged || coarse.engine.check_turning().is_err() {
-            return Ok(false);
+            return None;
         }
-        let Ok(fine) = coarse.refined(factor) else { return Ok(false) };
+        let fine = coarse.refined(factor).ok()?;
         if !self.is_same(&fine.engine.state, &coarse.engine, factor) {
-            return Ok(false);
+            return None;
         }
-        if let (Some(side), Some(from)) = (&mut self.engine.contact, fine.engine.contact) {
-            (side.law, side.offsets, side.before) = (from.law, from.offsets, None);
-        }
-        self.engine.state = fine.engine.state;
-        self.engine.take_tangents();
-        let asked = Law::Linear { stiffness: self.engine.contact_stiffness() };
-        if self.engine.contact.as_ref().is_some_and(|side| side.law != asked) {
-            // a coarse mesh does not always carry the law
-            let state = self.engine.state.clone();
-            self.engine.update_contact(&state)?;
-            self.change_law_keeping_pressures(asked);
-        }
-        let settled = self.solve_from_present(report)?;
-        if settled {
-            report.escapes += made.escapes;
-        }
-        Ok(settled)
+        let contact = fine.engine.contact.as_ref().map(LawInForce::of);
+        Some(Guess { contact, escapes: made.escapes, ..Guess::of(fine.engine.state) })
     }
 
     /// The coarsest mesh that will do for the drive, with how many times fewer elements it has.
@@ -177,7 +174,7 @@ impl Solver {
             parts.fold(0.0, f64::max)
         };
         side.rods.iter().all(|&rod| {
-            (0..coarse.model.rods[rod].num_segments()).all(|k| deviation(rod, k) <= SLIGHT * side.min_radius)
+            (0..coarse.model.rods[rod].num_segments()).all(|k| deviation(rod, k) <= SAME_CURVE * side.min_radius)
         })
     }
 }
@@ -187,6 +184,8 @@ mod tests {
     use super::*;
     use crate::rod::{Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
+    use crate::solve::load_step::guess::Ahead;
+    use crate::solve::load_step::step_report::Origin;
 
     /// A flat ring of 64 elements, D/L = .02.
     fn ring(supports: Vec<Support>) -> Solver {
@@ -212,9 +211,7 @@ mod tests {
         let [mut quick, mut slow] = [(); 2].map(|()| ring(vec![held]));
         let (drive, at) = (turns(-3.0), quick.engine.state.positions[64]);
         let short = quick.solve_step(&drive);
-        let mut long = StepReport::settled();
-        slow.approach(&drive, &mut long).unwrap();
-        slow.enforce_gaps(&mut long).unwrap();
+        let long = slow.load_step_from(&[Origin::CoreLaw], &drive, &Ahead::Unknown);
         for report in [&short, &long] {
             assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
             assert!(report.penetration <= 1e-8, "{}", report.penetration);
@@ -237,13 +234,13 @@ mod tests {
         assert_eq!(in_force(&solver), Some(Law::Linear { stiffness: asked }));
         solver.harden_contact(0.1);
         let report = solver.resettle();
-        assert_eq!((report.status, report.predicted), (Status::Converged, true));
+        assert_eq!((report.status, report.start), (Status::Converged, Some(Origin::Present)));
         assert_eq!(in_force(&solver), Some(Law::Linear { stiffness: 0.1 * asked }));
         assert!((report.stiffness_reduction - 10.0).abs() < 1e-12, "{}", report.stiffness_reduction);
     }
 
-    /// A step stays on the whole mesh where the coarse one would miss something: a bend or a turn of frames between its nodes, supports there,
-    /// more turns than it can bear. Steps of one turn are not worth it.
+    /// A step stays on the whole mesh where the coarse one would miss something: a bend or a turn of frames between its
+    /// nodes, supports there, more turns than it can bear. Steps of one turn are not worth it.
     #[test]
     fn what_a_coarse_mesh_does_not_see_is_left_alone() {
         let drive = turns(3.0);
@@ -256,7 +253,7 @@ mod tests {
         assert_eq!(factor(&ring(vec![held(67)]), &drive), None);
         for (by, found) in [(0.5, Some(4)), (1.5, None)] {
             let mut bent = ring(vec![]);
-            bent.engine.state.positions[101].z += by * SLIGHT * 0.01;
+            bent.engine.state.positions[101].z += by * SAME_CURVE * 0.01;
             assert_eq!(factor(&bent, &drive), found);
         }
         for (by, found) in [(0.15, Some(4)), (0.25, Some(2)), (0.45, None)] {

@@ -1,18 +1,20 @@
 //! First linearisation after the penalty was raised.
 //!
 //! The rods hardly notice the change of a law, so a point of contact keeps its force F ∝ κδ^{3/2}, δ the penetration,
-//! while its strands move apart by some d and its zone narrows. If each place is linearised about the overlap that gives
-//! its *own* pressure, as [`Pressures`](crate::contact::potential::Pressures) does for all laws, the first step closes .6
-//! of δ when κ rises tenfold, and the force of the point is two and a half times too large, so that the tangent may be
-//! indefinite. Here d follows from the force of the point, and the new law is linearised about strands moved apart by d.
-//! Lines of contact keep their pressure, F ∝ κδ, so there each place keeps its own.
+//! while its strands move apart by some d and its zone narrows. If each place is linearised about the overlap that
+//! gives its *own* pressure, as [`Pressures`](crate::contact::potential::Pressures) does for all laws, the first step
+//! closes .6 of δ when κ rises tenfold, and the force of the point is two and a half times too large, so that the
+//! tangent may be indefinite. Here d follows from the force of the point, and the new law is linearised about strands
+//! moved apart by d. Lines of contact keep their pressure, F ∝ κδ, so there each place keeps its own.
 
 use crate::contact::law::{Law, shortest_line};
 use crate::error::SolveError;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::FEW;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
+
+/// Evaluations of the law at lowered offsets, because the second measures the exponent, the third confirms it.
+const ROUNDS: usize = 3;
 
 /// Exponent of F in δ at a point of contact that is far from opening, because its zone grows as √δ.
 const AT_POINTS: f64 = 1.5;
@@ -53,7 +55,7 @@ impl Solver {
         let mut left: Vec<f64> = runs.iter().map(|run| run.depth * ratio.powf(-1.0 / AT_POINTS)).collect();
         let mut last: Vec<[f64; 2]> = runs.iter().map(|run| [run.depth, run.force]).collect();
         // the second evaluation measures the exponent of F in δ, the third confirms it
-        for _ in 0..FEW {
+        for _ in 0..ROUNDS {
             self.set_offsets(lowered(self.engine.contact.as_ref(), &own, &runs, &left));
             let there = self.overlaps();
             self.set_offsets(own.clone());

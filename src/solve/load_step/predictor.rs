@@ -1,20 +1,20 @@
 //! Prediction of the next state from the last accepted ones, and prescribed motions lifted from supports to rods.
 //!
-//! The prediction is a polynomial through the last two or three states in the exponential coordinates of SE(3): each node
-//! moves from its last pose along a screw whose velocity and rotation vector are polynomials. Their parameter is the
-//! prescribed change: states count as long as their controls (seams, turns, displacements and poses of supports, load
-//! factor, pressures, heights of planes) lie on one line with the target. So predictions do not depend on stages, and
-//! single steps are predicted like those of a run. The prescribed spin of frames is removed first, so that only the
+//! The prediction is a polynomial through the last two or three states in the exponential coordinates of SE(3): each
+//! node moves from its last pose along a screw whose velocity and rotation vector are polynomials. Their parameter is
+//! the prescribed change: states count as long as their controls (seams, turns, displacements and poses of supports,
+//! load factor, pressures, heights of planes) lie on one line with the target. So predictions do not depend on stages,
+//! and single steps are predicted like those of a run. The prescribed spin of frames is removed first, so that only the
 //! response of the rods is extrapolated.
 //!
-//! The screw of a node is that of its surroundings: the rigid motion that leads a piece of the rod from one state nearest
-//! to another. Its frame may turn within them, as that of a rod that is twisted does. So strands of a cable or of a
-//! plectoneme go round each other on arcs, which chords would leave by (2 sin ½φ)³ of the radius, whatever their sections
-//! do meanwhile.
+//! The screw of a node is that of its surroundings: the rigid motion that leads a piece of the rod from one state
+//! nearest to another. Its frame may turn within them, as that of a rod that is twisted does. So strands of a cable or
+//! of a plectoneme go round each other on arcs, which chords would leave by (2 sin ½φ)³ of the radius, whatever their
+//! sections do meanwhile.
 //!
-//! Extrapolated strains are useless, because a parabola stretches a rod by the cube of its turn, times a large stiffness.
-//! Shear forces and tension, the multipliers of nearly rigid constraints, are smooth along a path. They are extrapolated,
-//! too, and the first linearisation uses them.
+//! Extrapolated strains are useless, because a parabola stretches a rod by the cube of its turn, times a large
+//! stiffness. Shear forces and tension, the multipliers of nearly rigid constraints, are smooth along a path. They are
+//! extrapolated, too, and the first linearisation uses them.
 
 use std::collections::BTreeMap;
 
@@ -22,13 +22,23 @@ use crate::math::quaternion::{exp, rotation_of, rotation_vector, spin};
 use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Mat3, Quat, Vec3};
-use crate::solve::measures::{ARC, FARTHEST, FINE, MAX_ROUNDS};
+use crate::rod::RodNumber;
+use crate::solve::measures::{ARC, MAX_ROUNDS};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, seam_shares, spin_shares};
 use crate::solve::problem::state::State;
-use crate::solve::search::workspace::Foretold;
 
-/// Largest difference of a prediction from the one from a state less, rad, because linearisations about it err by the square.
+/// Relative difference up to which changes of prescribed values are parallel, because numbers are given with six
+/// digits.
+const SAME_LINE: f64 = 1e-6;
+/// Bend, rad, below which the frame decides how a piece turns about itself.
+const STRAIGHT: f64 = 1e-6;
+/// Largest extrapolated step, over the last one, because an extrapolation to twice the distance of what is known has
+/// twice to four times its error.
+pub(super) const FARTHEST: f64 = 2.0;
+
+/// Largest difference of a prediction from the one from a state less, rad, because linearisations about it err by the
+/// square.
 const MAX_UNCERTAINTY: f64 = 0.1;
 
 /// An accepted state with all prescribed values.
@@ -39,23 +49,47 @@ pub(crate) struct Visited {
     moved: Moved,
 }
 
-/// Key of a prescribed number: kind, index, component.
-type Control = (u8, usize, usize);
+/// A prescribed number, in the order in which they are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Control {
+    /// Of a rod.
+    Seam(usize),
+    /// Of a node about an axis.
+    Turns(usize),
+    /// A component, of a node.
+    Displacement(usize, usize),
+    LoadFactor,
+    /// Of a rod.
+    Pressure(usize),
+    /// A component of velocity or rotation towards a pose, of a node.
+    Pose(usize, usize),
+    PlaneHeight(usize),
+    /// Of a rod.
+    Number(usize, RodNumber),
+}
 
 impl Visited {
     fn controls(&self) -> BTreeMap<Control, f64> {
         let mut all = BTreeMap::new();
         let Self { state, moved } = self;
-        all.extend(state.seams.iter().enumerate().map(|(rod, angle)| ((0, rod, 0), *angle)));
-        all.extend(moved.turned.iter().map(|(node, turns)| ((1, *node, 0), *turns)));
+        all.extend(state.seams.iter().enumerate().map(|(rod, angle)| (Control::Seam(rod), *angle)));
+        all.extend(moved.turned.iter().map(|(node, turns)| (Control::Turns(*node), *turns)));
         let displaced = moved.displaced.iter();
-        all.extend(displaced.flat_map(|(node, by)| (0..3).map(|k| ((2, *node, k), by[k])).collect::<Vec<_>>()));
+        all.extend(
+            displaced
+                .flat_map(|(node, by)| (0..3).map(|k| (Control::Displacement(*node, k), by[k])).collect::<Vec<_>>()),
+        );
         let posed = moved.posed.iter();
-        all.extend(posed.flat_map(|(node, by)| (0..6).map(|k| ((5, *node, k), by[k / 3][k % 3])).collect::<Vec<_>>()));
-        all.insert((3, 0, 0), state.load_factor);
-        all.extend(state.pressures.iter().enumerate().map(|(rod, pressure)| ((4, rod, 0), *pressure)));
-        all.extend(state.plane_heights.iter().enumerate().map(|(plane, height)| ((6, plane, 0), *height)));
-        all.extend(state.numbers.iter().map(|((rod, which), value)| ((7, *rod, *which as usize), *value)));
+        all.extend(
+            posed
+                .flat_map(|(node, by)| (0..6).map(|k| (Control::Pose(*node, k), by[k / 3][k % 3])).collect::<Vec<_>>()),
+        );
+        all.insert(Control::LoadFactor, state.load_factor);
+        all.extend(state.pressures.iter().enumerate().map(|(rod, pressure)| (Control::Pressure(rod), *pressure)));
+        all.extend(
+            state.plane_heights.iter().enumerate().map(|(plane, height)| (Control::PlaneHeight(plane), *height)),
+        );
+        all.extend(state.numbers.iter().map(|((rod, which), value)| (Control::Number(*rod, *which), *value)));
         all
     }
 }
@@ -68,7 +102,7 @@ fn multiple(change: &BTreeMap<Control, f64>, of: &BTreeMap<Control, f64>) -> Opt
     let keys = of.keys().chain(change.keys());
     let along = |key: &Control| {
         let (here, there) = (at(change, key), ratio * at(of, key));
-        (here - there).abs() <= FINE * (here.abs() + there.abs())
+        (here - there).abs() <= SAME_LINE * (here.abs() + there.abs())
     };
     (ratio.is_finite() && ratio > 0.0 && keys.into_iter().all(along)).then_some(ratio)
 }
@@ -82,18 +116,21 @@ fn change(to: &BTreeMap<Control, f64>, from: &BTreeMap<Control, f64>) -> BTreeMa
     all
 }
 
-/// A predicted state.
+/// A motion that leads to a predicted state.
 #[derive(Debug, Clone)]
 pub(crate) struct Prediction {
     /// From the state with its turns [lifted](lifted) to the predicted one; supports move as prescribed.
     pub(crate) increment: Vec<f64>,
-    pub(crate) foretold: Foretold,
+    /// Shear forces and tension there, per element and integration point \[F\]; empty: not known.
+    pub(crate) forces: Vec<[[f64; 3]; 3]>,
+    /// Rotations, rad, from there to the equilibrium, by the order of magnitude; infinite: not known.
+    pub(crate) uncertainty: f64,
 }
 
 impl Prediction {
-    /// The present state.
+    /// No motion.
     pub(crate) fn still(engine: &Engine) -> Self {
-        Self { increment: vec![0.0; 6 * engine.num_nodes()], foretold: Foretold::default() }
+        Self { increment: vec![0.0; 6 * engine.num_nodes()], forces: Vec::new(), uncertainty: f64::INFINITY }
     }
 }
 
@@ -170,7 +207,7 @@ impl History {
     /// [`History::line`], unless the target is too far to be predicted.
     fn line_to_extrapolate(&self, target: &Visited) -> Option<(f64, Vec<(f64, &Visited)>)> {
         // steps are doubled after a cut-back
-        self.line(target).filter(|(place, _)| *place <= FARTHEST * (1.0 + FINE))
+        self.line(target).filter(|(place, _)| *place <= FARTHEST * (1.0 + SAME_LINE))
     }
 
     /// The predicted state at a target, to which supports still make the motions of `drive`; `None` without a reliable
@@ -196,12 +233,12 @@ impl History {
         }
         drive.add_to(&mut increment);
         engine.join_increment(&mut increment);
-        Some(Prediction { increment, foretold: Foretold { forces, uncertainty } })
+        Some(Prediction { increment, forces, uncertainty })
     }
 }
 
-/// The increment from the last state of a line, its frames spun as the target's are, to where the polynomial through the
-/// line's states leads at a place.
+/// The increment from the last state of a line, its frames spun as the target's are, to where the polynomial through
+/// the line's states leads at a place.
 fn extrapolated(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Visited)]) -> Vec<f64> {
     let last = line[0].1;
     let present: Vec<Quat> = spun(&last.state.frames, &last.spins_to(engine, target));
@@ -235,9 +272,9 @@ fn extrapolated(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Vi
     increment
 }
 
-/// Rotations of the surroundings of each node from one state to another: of as much of the rod to either side as it takes
-/// that chords do not stand for its arcs, at least an element and at most [`MAX_ROUNDS`]. The frame decides how a piece that is
-/// straight to six digits turns about itself.
+/// Rotations of the surroundings of each node from one state to another: of as much of the rod to either side as it
+/// takes that chords do not stand for its arcs, at least an element and at most [`MAX_ROUNDS`]. The frame decides how a
+/// piece that is straight to six digits turns about itself.
 fn surroundings(engine: &Engine, from: &State, to: &State) -> Vec<Quat> {
     let mut all = Vec::with_capacity(engine.num_nodes());
     for (index, rod) in engine.model.rods.iter().enumerate() {
@@ -263,7 +300,7 @@ fn surroundings(engine: &Engine, from: &State, to: &State) -> Vec<Quat> {
                 }
             }
             let [before, after] = [from, to].map(|state| state.frames[here].to_rotation_matrix());
-            spread += after.matrix() * before.matrix().transpose() * (FINE.powi(2) * size);
+            spread += after.matrix() * before.matrix().transpose() * (STRAIGHT.powi(2) * size);
             all.push(rotation_of(&spread).unwrap_or(to.frames[here] * from.frames[here].inverse()));
         }
     }
@@ -367,7 +404,8 @@ mod tests {
     }
 
     /// A rod that turns about an axis as a whole, by more than half a turn in two steps, its sections about themselves
-    /// besides, is predicted to the weight of frames in its surroundings; a straight one that is only spun stays in place.
+    /// besides, is predicted to the weight of frames in its surroundings; a straight one that is only spun stays in
+    /// place.
     #[test]
     fn rods_that_go_round_are_foretold_on_arcs() {
         let engine = Engine::new(clamped(true), None).unwrap();
@@ -394,8 +432,8 @@ mod tests {
         assert!(missed(&engine, is_spun) < 1e-12);
     }
 
-    /// A helix that is wound up by .6 rad a step at its end keeps its radius to 3 % of what it loses where nodes go on along
-    /// parabolas.
+    /// A helix that is wound up by .6 rad a step at its end keeps its radius to 3 % of what it loses where nodes go on
+    /// along parabolas.
     #[test]
     fn helices_are_wound_on_arcs() {
         let engine = Engine::new(clamped(false), None).unwrap();
@@ -456,7 +494,7 @@ mod tests {
         let path = |stages: &[Stage]| {
             let mut seen = Vec::new();
             let solution = run(clamped(true), stages, &options, &mut |progress| {
-                seen.push((progress.report.iterations, progress.report.predicted));
+                seen.push((progress.report.iterations, progress.report.is_predicted()));
                 std::ops::ControlFlow::Continue(())
             })
             .unwrap();
@@ -470,11 +508,11 @@ mod tests {
         let mut solver = Solver::new(clamped(true), options.clone()).unwrap();
         let mut single = vec![{
             let start = solver.step_to(&[]).unwrap();
-            (start.iterations, start.predicted)
+            (start.iterations, start.is_predicted())
         }];
         for k in 1..=8 {
             let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: 0.25 * f64::from(k) }]).unwrap();
-            single.push((report.iterations, report.predicted));
+            single.push((report.iterations, report.is_predicted()));
         }
         assert_eq!(whole, single);
         for end in [&other, &solver.engine.state] {

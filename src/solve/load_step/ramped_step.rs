@@ -7,10 +7,10 @@ use crate::math::Vec3;
 use crate::math::quaternion::exp;
 use crate::scene::model::{RemainingPath, unit};
 use crate::scene::{NodeRef, Pose, Ramp, Stage};
-use crate::solve::load_step::predictor::{History, Prediction};
+use crate::solve::load_step::guess::Ahead;
+use crate::solve::load_step::predictor::{FARTHEST, History, Prediction};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::measures::FARTHEST;
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
 
 impl Solver {
@@ -42,8 +42,8 @@ impl Solver {
         Ok(report)
     }
 
-    /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it might lose its
-    /// branch.
+    /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it might lose
+    /// its branch.
     pub(in crate::solve) fn advance(&mut self, ramps: &[Ramp], take: f64) -> StepReport {
         let start = self.snapshot();
         let target = self.target(ramps, take);
@@ -78,9 +78,9 @@ impl Solver {
         whole
     }
 
-    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges. Where
-    /// `doubts` are asked for they do not if the step was too long to be predicted and may have lost its branch, which the second
-    /// part of the result says.
+    /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
+    /// Where `doubts` are asked for they do not if the step was too long to be predicted and may have lost its branch,
+    /// which the second part of the result says.
     fn attempt(&mut self, target: &Target, doubts: bool) -> (StepReport, bool) {
         let lifted = lifted(&self.engine, &self.engine.state, &target.drive);
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &lifted.spun) {
@@ -89,21 +89,22 @@ impl Solver {
         let changes = self.changes(target, &lifted);
         // work counts from an equilibrium
         let before = if self.history.ends_at(&self.engine.state) { self.balance(&changes) } else { None };
-        let ahead = self.history.target(&self.engine, target, &lifted);
-        let stride = ahead.as_ref().and_then(|ahead| self.history.stride(ahead));
+        let end = self.history.target(&self.engine, target, &lifted);
+        let stride = end.as_ref().and_then(|end| self.history.stride(end));
         let last = self.history.work.zip(stride);
-        let predicted = ahead.and_then(|ahead| self.history.predict(&self.engine, &ahead, &lifted.drive));
+        let predicted = end.and_then(|end| self.history.predict(&self.engine, &end, &lifted.drive));
         let predicted = predicted.or_else(|| self.unpredicted(target, &lifted.drive));
+        let ahead = predicted.map_or(Ahead::Unknown, Ahead::Predicted);
         target.load(&mut self.engine.state);
         if let Err(error) = self.engine.take_numbers() {
             return (StepReport::refused(SolveError::Symbolic { reason: error.to_string() }), false);
         }
-        let mut report = self.in_own_pool(|solver| solver.solve_step_along(&target.drive, predicted));
+        let mut report = self.in_own_pool(|solver| solver.load_step(&target.drive, &ahead));
         self.judge_turning(&mut report);
         if report.status == Status::Converged {
             let balance = before.zip(self.balance(&changes));
             let departure = balance.map(|(before, end)| before.departure(&end, last));
-            let is_on_branch = report.predicted || report.branch_ends;
+            let is_on_branch = report.is_predicted() || report.branch_ends;
             let is_too_long = stride.is_some_and(|stride| stride > FARTHEST);
             if doubts && is_too_long && !is_on_branch && departure.is_some_and(|departure| departure.is_doubtful()) {
                 return (report, true);

@@ -5,7 +5,7 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::Rod;
 use crate::scene::{Joint, Model, NodeLoad, NodeRef, Support};
-use crate::solve::load_step::predictor::Prediction;
+use crate::solve::load_step::guess::Ahead;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
 use crate::solve::problem::engine::Engine;
@@ -24,8 +24,8 @@ impl Model {
         Ok(self.with_rods(rods, |node| NodeRef { node: factor.saturating_mul(node.node), ..node }))
     }
 
-    /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and all nodes that are
-    /// held, joined or loaded are among these.
+    /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and all nodes that
+    /// are held, joined or loaded are among these.
     pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
         let rods = self.rods.iter().map(|rod| rod.coarsened(factor)).collect::<Option<_>>()?;
         let at = self.supports.iter().map(|s| s.node).chain(self.joints.iter().flat_map(|j| [j.a, j.b]));
@@ -111,7 +111,6 @@ impl Solver {
     /// Brings the present state to rest as it is: from there under the law in force first, by a softened law only if
     /// that fails.
     pub fn resettle(&mut self) -> StepReport {
-        let still = Prediction::still(&self.engine);
-        self.solve_step_along(&PrescribedMotion::default(), Some(still))
+        self.load_step(&PrescribedMotion::default(), &Ahead::Present)
     }
 }

@@ -41,7 +41,64 @@ impl std::fmt::Display for Status {
     }
 }
 
-/// Report of one attempt at a load step.
+/// Where the guess comes from that a search starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Origin {
+    /// A plectoneme between two tails that has taken up rod from them, or given rod back, as its end turned.
+    Growth,
+    /// The last accepted states, extrapolated.
+    Prediction,
+    /// The present state as it is.
+    Present,
+    /// A long closed plectoneme made of the equilibrium of a short one.
+    PeriodicExtension,
+    /// The plectoneme that a short piece of a long straight rod snaps into.
+    ShortRod,
+    /// The equilibrium of a coarse mesh, after several turns.
+    CoarseMesh,
+    /// The present state under a soft contact law, which is then raised to the requested one.
+    CoreLaw,
+}
+
+impl Origin {
+    /// All, in the order in which they are tried. The last always applies.
+    pub(crate) fn all() -> [Self; 7] {
+        use Origin::{CoarseMesh, CoreLaw, Growth, PeriodicExtension, Prediction, Present, ShortRod};
+        [Growth, Prediction, Present, PeriodicExtension, ShortRod, CoarseMesh, CoreLaw]
+    }
+}
+
+/// A start that failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Attempt {
+    /// Which.
+    pub origin: Origin,
+    /// How.
+    pub status: Status,
+}
+
+/// Why a search or a step did not converge.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::solve) struct Failed {
+    pub(in crate::solve) status: Status,
+    /// The error of a breakdown, or what kept the last step of a search from being taken as a whole.
+    pub(in crate::solve) error: Option<SolveError>,
+}
+
+impl From<Status> for Failed {
+    fn from(status: Status) -> Self {
+        Self { status, error: None }
+    }
+}
+
+impl From<SolveError> for Failed {
+    fn from(error: SolveError) -> Self {
+        Self { status: Status::BrokeDown, error: Some(error) }
+    }
+}
+
+/// Report of a load step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepReport {
     /// Its end.
@@ -53,16 +110,16 @@ pub struct StepReport {
     /// Number of unstable equilibria left.
     pub escapes: usize,
     /// Energy that the step set free by leaving its branch \[F·L\]: what its start and the work of supports, loads and
-    /// ramped numbers would have come to on it, less what is kept. 0 where the branch was followed (its energy is then met
-    /// to a tenth of the work), for a start state, and where no potential is known.
+    /// ramped numbers would have come to on it, less what is kept. 0 where the branch was followed (its energy is then
+    /// met to a tenth of the work), for a start state, and where no potential is known.
     pub energy_released: f64,
     /// Unstable directions of the final state.
     pub num_unstable: usize,
     /// Worst penetration over the smallest contact radius; 0 without contact.
     pub penetration: f64,
     /// Σ force × gap over the elastic energy, of contacts that the offsets of an augmented Lagrangian hold open beside
-    /// others that touch: by so much is the energy too high. They are released until it is 1e-9, but for contacts none of
-    /// whose nodes is theirs alone, so near are their neighbours; 0 without contact and under other laws.
+    /// others that touch: by so much is the energy too high. They are released until it is 1e-9, but for contacts none
+    /// of whose nodes is theirs alone, so near are their neighbours; 0 without contact and under other laws.
     pub complementarity: f64,
     /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise.
     /// Gaps are enforced all the same; a point contact is spread wider by the cube root of it.
@@ -70,8 +127,10 @@ pub struct StepReport {
     /// Newton iterations elsewhere, not among the others: on a shorter rod, from whose equilibrium the start of a long
     /// plectoneme was made, or on a coarser mesh, on which a step of several turns was made first.
     pub iterations_on_other_meshes: usize,
-    /// Whether the step converged from the predicted state.
-    pub predicted: bool,
+    /// The start from which the step converged; `None` if it did not, or if there was no search.
+    pub start: Option<Origin>,
+    /// Starts that failed before it, in order; without one that succeeded, all.
+    pub attempts: Vec<Attempt>,
     /// Whether the state to which the branch leads was found unstable.
     pub branch_ends: bool,
     /// The error of a breakdown, or what kept the last step of a search from being taken as a whole.
@@ -94,7 +153,8 @@ impl StepReport {
             complementarity: 0.0,
             stiffness_reduction: 1.0,
             iterations_on_other_meshes: 0,
-            predicted: false,
+            start: None,
+            attempts: Vec::new(),
             branch_ends: false,
             error: None,
             history: Vec::new(),
@@ -114,13 +174,19 @@ impl StepReport {
         second.energy_released += self.energy_released;
         second.iterations_on_other_meshes += self.iterations_on_other_meshes;
         second.branch_ends |= self.branch_ends;
+        second.attempts.splice(0..0, std::mem::take(&mut self.attempts));
         second.history.splice(0..0, std::mem::take(&mut self.history));
         *self = second;
     }
 
+    /// Whether the step converged from a state to which its branch was expected to lead.
+    #[must_use]
+    pub fn is_predicted(&self) -> bool {
+        matches!(self.start, Some(Origin::Growth | Origin::Prediction | Origin::Present))
+    }
+
     /// Another attempt from where the last one began: iterations stay counted.
     pub(in crate::solve) fn start_again(&mut self) {
-        (self.status, self.num_unstable, self.error) = (Status::Converged, 0, None);
-        (self.augmentations, self.escapes) = (0, 0);
+        (self.num_unstable, self.augmentations, self.escapes) = (0, 0, 0);
     }
 }

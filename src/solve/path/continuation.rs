@@ -25,7 +25,7 @@ use crate::error::{InputError, SolveError};
 use crate::scene::{Ramp, Stage};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
-use crate::solve::measures::{ARC, ROUGH, SAME};
+use crate::solve::measures::ARC;
 use crate::solve::path::continuation::corner::Corner;
 use crate::solve::path::continuation::corrector::{Hyperplane, Point, Tracer};
 use crate::solve::path::continuation::locate::Event;
@@ -33,6 +33,11 @@ use crate::solve::path::continuation::parameter::Parameter;
 use crate::solve::path::run::Progress;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::timing::Instant;
+
+/// Shortest step along a path, over the requested one, because what a hundredth of it misses is noise.
+const SHORT: f64 = 0.01;
+/// Least turn of a path from point to point, rad, that limits the next step.
+const LEAST_TURN: f64 = 1e-3;
 
 /// Newton iterations per point that the step size aims at.
 const AIM: f64 = 5.0;
@@ -114,8 +119,8 @@ pub enum PointKind {
     /// before, or extrapolated from there; the number is that before.
     ///
     /// A point splits where its zone parts in two, which under a law κ is some layers (B/κ)^¼ later than where it
-    /// opens. Under an augmented Lagrangian points count as one contact that its offsets cannot tell apart, nearer than about
-    /// two layers or an element.
+    /// opens. Under an augmented Lagrangian points count as one contact that its offsets cannot tell apart, nearer than
+    /// about two layers or an element.
     Corner,
     /// The parameter has come to the ramp's target; the path ends.
     Target,
@@ -351,7 +356,7 @@ fn trace(
 
 /// A corner within reach of a step that failed, if it has become short.
 fn corner(tracer: &mut Tracer, here: &Point, step: f64, options: &FollowOptions) -> Option<Corner> {
-    let short = ROUGH * options.step;
+    let short = SHORT * options.step;
     if step < short { tracer.round_corner(here, CORNER_REACH * step, short).unwrap_or(None) } else { None }
 }
 
@@ -371,7 +376,7 @@ impl Stride {
     fn lengthening(&self) -> f64 {
         // iterations of one search; each augmentation of contact offsets asks for another
         let iterations = self.next.iterations.max(1) as f64 / (1 + self.next.augmentations) as f64;
-        let ratio = (AIM / iterations).sqrt().min(0.5 * ARC / self.turned.max(SAME));
+        let ratio = (AIM / iterations).sqrt().min(0.5 * ARC / self.turned.max(LEAST_TURN));
         ratio.clamp(0.5, 2.0)
     }
 }

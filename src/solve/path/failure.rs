@@ -5,10 +5,13 @@ use std::fmt;
 use crate::contact::clearance::smallest_clearance;
 use crate::error::SolveError;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::measures::{BALANCED, SAME};
+use crate::solve::measures::BALANCED;
 use crate::solve::problem::bend::Bend;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::newton::{NewtonOptions, relative_residual};
+
+/// Overlap over the contact radius from which a failure names it, because less is no reason to fail.
+const OVERLAPS: f64 = 1e-3;
 
 /// Curvature × contact radius of a state from which a failed step counts as ended by the rod's thickness, because the
 /// tube is embedded up to 1, and rings end within 1e-3 of it.
@@ -106,7 +109,8 @@ impl Failure {
         Self { bend: bend.map(told), ..self }
     }
 
-    /// Whether a rod's thickness is the reason: of the state that the attempt led on from, or of the last one it came to.
+    /// Whether a rod's thickness is the reason: of the state that the attempt led on from, or of the last one it came
+    /// to.
     pub(super) fn is_too_tight(&self) -> bool {
         self.bend.is_some() || matches!(self.error, Some(SolveError::TooTight { .. }))
     }
@@ -138,12 +142,12 @@ impl Failure {
 /// The deepest overlap of the state, if it exceeds the tolerance of the contact law.
 fn deepest_overlap(engine: &Engine) -> Option<Overlap> {
     let side = engine.contact.as_ref().filter(|side| side.is_current)?;
-    let tol = SAME * side.min_radius;
+    let tol = OVERLAPS * side.min_radius;
     let found = engine.install(|| smallest_clearance(&side.set, &side.exclusion, 0.0, tol))?;
     let depth = -found.upper / side.min_radius;
     let at = [(found.segment_a, found.arc_a), (found.segment_b, found.arc_b)]
         .map(|(segment, arc)| spot(engine, side.rods[side.set.curve_of(segment)], arc));
-    (depth > SAME).then_some(Overlap { at, depth })
+    (depth > OVERLAPS).then_some(Overlap { at, depth })
 }
 
 fn spot(engine: &Engine, rod: usize, arc: f64) -> RodPoint {

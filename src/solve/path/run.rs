@@ -6,7 +6,7 @@ use crate::error::{InputError, SolveError};
 use crate::scene::{Model, Ramp, Stage};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::measures::{FINE, NOTHING};
+use crate::solve::measures::NOTHING;
 use crate::solve::options::Options;
 use crate::solve::path::failure::Failure;
 use crate::solve::path::given::Given;
@@ -14,6 +14,9 @@ use crate::solve::path::restart::{Place, Restart};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::timing::Instant;
+
+/// Part of a step up to which two steps end at the same place, because fractions are sums of halves.
+const SAME_STEP: f64 = 1e-6;
 
 /// State after an accepted step, for the observer.
 #[derive(Debug, Clone, Copy)]
@@ -147,7 +150,7 @@ struct LoadStepping<'a, 'o> {
 }
 
 /// Part of a stage that one attempt is to do.
-struct Attempt {
+struct Portion {
     /// Fractions of the stage, from where to where.
     span: [f64; 2],
     /// Fraction of the stage.
@@ -156,11 +159,11 @@ struct Attempt {
     take: f64,
 }
 
-impl Attempt {
-    /// The next of at most `size` of the stage. After a step that was halved it ends where that one would have ended, on
-    /// the grid of steps `full`.
+impl Portion {
+    /// The next of at most `size` of the stage. After a step that was halved it ends where that one would have ended,
+    /// on the grid of steps `full`.
     fn next(done: f64, size: f64, full: f64) -> Self {
-        let planned = ((done / full + FINE).floor() + 1.0) * full - done;
+        let planned = ((done / full + SAME_STEP).floor() + 1.0) * full - done;
         let size = size.min(planned);
         // ramps are measured from where they are
         let take = (size / (1.0 - done)).min(1.0);
@@ -214,7 +217,7 @@ impl LoadStepping<'_, '_> {
     fn run_stage(&mut self, stage: &Stage) -> Result<Status, RunError> {
         // of the whole stage, also where it is taken up half-way
         let rounds = self.solver.largest_round(&stage.ramps) / (1.0 - self.place.fraction) / Ramp::MAX_ROUND;
-        let full = 1.0 / (stage.steps as f64).max((rounds - FINE).ceil());
+        let full = 1.0 / (stage.steps as f64).max((rounds - SAME_STEP).ceil());
         let mut size = self.place.step_size.min(full);
         self.solver.change_supports(&stage.ramps)?;
         if self.place.fraction == 0.0 {
@@ -224,16 +227,16 @@ impl LoadStepping<'_, '_> {
         let mut started = Instant::now();
         let mut failed_iterations = 0;
         while self.place.fraction < 1.0 - NOTHING {
-            let attempt = Attempt::next(self.place.fraction, size, full);
+            let portion = Portion::next(self.place.fraction, size, full);
             let snapshot = self.solver.snapshot();
-            let mut report = self.solver.advance(&stage.ramps, attempt.take);
+            let mut report = self.solver.advance(&stage.ramps, portion.take);
             self.place.iterations += report.iterations;
             if report.status != Status::Converged {
                 failed_iterations += report.iterations;
-                size = 0.5 * attempt.size;
+                size = 0.5 * portion.size;
                 let gives_up = size < full * self.solver.options.min_step;
                 let failed = gives_up && report.status != Status::Stopped;
-                let failure = failed.then(|| self.failure_in(stage, &attempt, &report));
+                let failure = failed.then(|| self.failure_in(stage, &portion, &report));
                 self.solver.restore(snapshot)?;
                 self.failure = failure.map(|failure| failure.failing_from(&self.solver.engine));
                 if report.status == Status::Stopped || gives_up {
@@ -242,7 +245,7 @@ impl LoadStepping<'_, '_> {
                 continue;
             }
             size = (2.0 * size).min(full);
-            self.place.fraction = attempt.span[1];
+            self.place.fraction = portion.span[1];
             self.place.step_size = size;
             self.place.num_steps += 1;
             report.iterations += std::mem::take(&mut failed_iterations);
@@ -276,11 +279,11 @@ impl LoadStepping<'_, '_> {
         Failure::of(&self.solver.engine, report, &self.solver.options.newton)
     }
 
-    fn failure_in(&self, stage: &Stage, attempt: &Attempt, report: &StepReport) -> Failure {
+    fn failure_in(&self, stage: &Stage, portion: &Portion, report: &StepReport) -> Failure {
         let is_load = |ramp: &Ramp| matches!(ramp, Ramp::Load { .. } | Ramp::Pressure { .. });
         Failure {
             stage: Some(self.place.stage),
-            span: attempt.span,
+            span: portion.span,
             ramps_loads: stage.ramps.iter().any(is_load),
             ..self.failure_of(report)
         }

@@ -14,12 +14,14 @@ use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, ElementProperties, Material, RodPlane, Strain, raw_strains, stiffness};
 use crate::rod::{Along, Natural, NaturalStrains, Rod};
 use crate::scene::{ContactLaw, Model, NodeRef};
-use crate::solve::measures::SAME;
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::follower::Follower;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Swivel;
+
+/// Largest rounding of the start, over the node spacing, because meshes do not tell shapes as near apart.
+const MAX_RESOLUTION: f64 = 1e-3;
 
 /// One element: where its nodes are and which rod it belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -202,16 +204,16 @@ impl Engine {
         Ok(engine)
     }
 
-    /// Refuses rods so far from the origin that rounding of the start positions alone exceeds [`SAME`] × node
+    /// Refuses rods so far from the origin that rounding of the start positions alone exceeds [`MAX_RESOLUTION`] × node
     /// spacing.
     pub(crate) fn check_resolution(&self) -> Result<(), InputError> {
         for (index, rod) in self.model.rods.iter().enumerate() {
             let farthest = self.positions(index).iter().map(|r| r.amax()).fold(0.0, f64::max);
             let resolution = f64::EPSILON * farthest / rod.spacing();
-            if resolution > SAME {
+            if resolution > MAX_RESOLUTION {
                 let reason = format!(
                     "lies up to {farthest:e} from the origin, where its start is known to {resolution:.1e} of its node spacing only, \
-                     not to {SAME:e}: move the model to the origin"
+                     not to {MAX_RESOLUTION:e}: move the model to the origin"
                 );
                 return Err(InputError::Inconsistent { field: format!("rods.{}.positions", rod.name), reason });
             }

@@ -5,10 +5,12 @@
 //! frames with the master's, so that no increment can part them.
 
 use crate::error::InputError;
-use crate::solve::measures::FINE;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::follower::Follower;
 use crate::solve::problem::state::State;
+
+/// Largest distance over the node spacing, and turn, rad, of joined nodes, because numbers are given with six digits.
+const MAX_GAP: f64 = 1e-6;
 
 impl Engine {
     /// Moves every node by `t` times its six increments; joined nodes by those of their master.
@@ -31,13 +33,13 @@ impl Engine {
         self.followers.iter().any(|follower| follower.node == node || follower.master == node)
     }
 
-    /// Refuses a state whose joined nodes are [`FINE`] × node spacing apart, or [`FINE`] rad from how they were joined.
+    /// Refuses a state whose joined nodes are [`MAX_GAP`] × node spacing apart, or [`MAX_GAP`] rad from how they were joined.
     pub(crate) fn check_joined(&self, state: &State) -> Result<(), InputError> {
         let parted = |follower: &&Follower| {
             let apart = state.chord(follower.master, follower.node).norm() / self.scales.lever;
             let turned = state.frames[follower.node].angle_to(&(state.frames[follower.master] * follower.turn));
             // not a number is parted, too
-            !(apart <= FINE && turned <= FINE)
+            !(apart <= MAX_GAP && turned <= MAX_GAP)
         };
         let Some(follower) = self.followers.iter().find(parted) else { return Ok(()) };
         let [a, b] = [follower.master, follower.node].map(|node| {

@@ -6,31 +6,37 @@ use crate::math::quaternion::spin;
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Vec3, parallel};
 use crate::rod::element::raw_strains;
-use crate::solve::measures::{ROUGH, SAME, SLIGHT};
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
+/// Deviation of fitted tangents, rad or of their length, from which they are renewed, because forces change by as little.
+const FOLLOWED: f64 = 1e-3;
+/// Shear from which tangents are fitted, because up to it directors are off by a hundredth.
+const SHEARED: f64 = 0.1;
+/// Stretch from which lengths of tangents are fitted, because up to it the curve is off by κ(λh)²/800 at most.
+const STRETCHED: f64 = 1e-2;
+
 impl Engine {
-    /// Tangents for a state: d3 along rods that are nowhere sheared by more than [`SLIGHT`], of length 1 along those that are
-    /// nowhere stretched by more than [`ROUGH`].
+    /// Tangents for a state: d3 along rods that are nowhere sheared by more than [`SHEARED`], of length 1 along those that are
+    /// nowhere stretched by more than [`STRETCHED`].
     pub(in crate::solve) fn tangents_of(&self, state: &State) -> MaterialTangents {
         self.replaced(&MaterialTangents::directors(self.num_nodes()), state)
     }
 
-    /// The tangents of a state along rods where one of those known is off by more than [`SAME`], or [`SLIGHT`] where they
-    /// are directors; lengths likewise, by [`SAME`], or [`ROUGH`] where they are 1. A rod has either all of them or none,
+    /// The tangents of a state along rods where one of those known is off by more than [`FOLLOWED`], or [`SHEARED`] where they
+    /// are directors; lengths likewise, by [`FOLLOWED`], or [`STRETCHED`] where they are 1. A rod has either all of them or none,
     /// because a jump from one node to the next would be a bend.
     fn replaced(&self, known: &MaterialTangents, state: &State) -> MaterialTangents {
         let mut tangents = self.measured_tangents(state);
         for nodes in (0..self.model.rods.len()).map(|rod| self.nodes(rod)) {
             let (old, new) = (&known.directions[nodes.clone()], &mut tangents.directions[nodes.clone()]);
-            let tol = if old.iter().any(|v| *v != Vec3::z()) { SAME } else { SLIGHT };
+            let tol = if old.iter().any(|v| *v != Vec3::z()) { FOLLOWED } else { SHEARED };
             if old.iter().zip(&*new).all(|(old, new)| old.angle(new) <= tol) {
                 new.copy_from_slice(old);
             }
             let (old, new) = (&known.stretches[nodes.clone()], &mut tangents.stretches[nodes]);
-            let tol = if old.iter().any(|length| *length != 1.0) { SAME } else { ROUGH };
+            let tol = if old.iter().any(|length| *length != 1.0) { FOLLOWED } else { STRETCHED };
             if old.iter().zip(&*new).all(|(old, new)| (old - new).abs() <= tol) {
                 new.copy_from_slice(old);
             }

@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 use crate::contact::potential::plane::PlaneContact;
 use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
-use crate::solve::measures::{FINE, NOTHING, SAME};
+use crate::solve::measures::NOTHING;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -31,12 +31,15 @@ use crate::solve::problem::swivel::Bases;
 use crate::sparse::Pattern;
 use several::Several;
 
+/// Relative deviation up to which directions and motions are the same, because meshes do not tell them apart.
+pub(super) const TOLERANCE: f64 = 1e-3;
+
 mod several;
 
 /// Square of a motion where a rod is held, over the largest, below which supports let it pass: ends that are coaxial but
 /// for the last digits of a file would leave a motion that costs a ten millionth of the energy, and searches end neither
 /// in its valley nor on its ridge.
-const PASSES: f64 = FINE * FINE;
+const PASSES: f64 = 1e-12;
 
 /// Whether no support holds a component of a rod's nodes, and no joint.
 fn is_free(engine: &Engine, rod: usize) -> bool {
@@ -137,7 +140,7 @@ fn left_by_planes(normals: &[Vec3], planar: bool) -> (Vec<Vec3>, Vec<Vec3>) {
     let Some(first) = normals.first() else {
         return if planar { (axes[..2].to_vec(), axes[2..].to_vec()) } else { (axes.to_vec(), axes.to_vec()) };
     };
-    let tilted = normals.iter().map(|n| first.cross(n)).find(|edge| edge.norm() > SAME);
+    let tilted = normals.iter().map(|n| first.cross(n)).find(|edge| edge.norm() > TOLERANCE);
     let edge = match tilted {
         // of parallel planes any direction in them will do
         None if !planar => {
@@ -147,7 +150,7 @@ fn left_by_planes(normals: &[Vec3], planar: bool) -> (Vec<Vec3>, Vec<Vec3>) {
         None => Vec3::z().cross(first),
         Some(edge) => edge.normalize(),
     };
-    let stays = normals.iter().all(|n| n.dot(&edge).abs() <= SAME) && !(planar && edge.z != 0.0);
+    let stays = normals.iter().all(|n| n.dot(&edge).abs() <= TOLERANCE) && !(planar && edge.z != 0.0);
     (if stays { vec![edge] } else { Vec::new() }, Vec::new())
 }
 
@@ -180,7 +183,7 @@ fn rigid_rotation(state: &State, nodes: &[usize], motion: &[f64]) -> Vec3 {
         moment += arm.cross(&(moved(k) - mean));
     }
     // positions do not determine the rotation of a straight rod about itself
-    let least = SAME * SAME * inertia.trace();
+    let least = TOLERANCE * TOLERANCE * inertia.trace();
     inertia.pseudo_inverse(least).map_or(Vec3::zeros(), |inverse| inverse * moment)
 }
 
@@ -530,7 +533,7 @@ fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
 /// Weights of displacements and rotations in the product of motions. Displacements first: a rigid rotation taken out of
 /// a pure twist would stretch the rod by second order.
 fn weights(engine: &Engine) -> [f64; 2] {
-    let lever = SAME * engine.scales.length;
+    let lever = TOLERANCE * engine.scales.length;
     [1.0, lever * lever]
 }
 
@@ -541,7 +544,7 @@ fn weighted(weights: [f64; 2], a: &[f64], b: &[f64]) -> f64 {
 /// Size below which a combination of motions is none: a straight rod between coaxial clamps turns back as much as it turns.
 fn least_size(weights: [f64; 2], motions: &[Vec<f64>]) -> f64 {
     let size = |motion: &Vec<f64>| weighted(weights, motion, motion).sqrt();
-    SAME * motions.iter().map(size).fold(f64::INFINITY, f64::min)
+    TOLERANCE * motions.iter().map(size).fold(f64::INFINITY, f64::min)
 }
 
 /// Orthonormalises a motion against those of a basis and adds it; false if it depends on them, or is none.
@@ -555,7 +558,7 @@ fn add(weights: [f64; 2], basis: &mut Vec<Vec<f64>>, mut motion: Vec<f64>, least
         }
     }
     let norm = weighted(weights, &motion, &motion).sqrt();
-    if norm <= least.max(SAME * before) {
+    if norm <= least.max(TOLERANCE * before) {
         return false;
     }
     motion.iter_mut().for_each(|x| *x /= norm);

@@ -1,13 +1,17 @@
 //! Whether contact is in balance after the last step of a search.
 
 use crate::error::SolveError;
-use crate::solve::measures::{FINE, SAME};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 use crate::solve::search::newton::unbalanced;
 use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::Workspace;
+
+/// Increment, over the tolerance, that is far below it.
+const FAR_BELOW: f64 = 1e-3;
+/// Rotation, rad, that contact forces cause where they bend no rod.
+const BENDS_NOTHING: f64 = 1e-6;
 
 /// Largest force out of balance over the largest contact force, because the most exact preset states contact forces to
 /// 5e-4. With 1e-3 light forces on stiff contact are off by as much.
@@ -34,10 +38,10 @@ impl Workspace {
     }
 }
 
-/// Whether a step is far below the tolerance of increments, and contact forces bend no rod: forces of strands that touch
-/// without load are rounding, and never converge.
+/// Whether a step is far below the tolerance of increments, and contact forces bend no rod: forces of strands that
+/// touch without load are rounding, and never converge.
 pub(super) fn is_light(engine: &Engine, residual: &Residual, size: f64, tol_increment: f64) -> bool {
     // rotations that the largest contact force causes, F L²/B
     let bends = residual.largest_contact_force() * engine.scales.length.powi(2) / engine.scales.bending;
-    size <= SAME * tol_increment && bends <= FINE
+    size <= FAR_BELOW * tol_increment && bends <= BENDS_NOTHING
 }

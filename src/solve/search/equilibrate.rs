@@ -15,8 +15,7 @@ impl Workspace {
     /// A plain mixed Newton search comes first where nothing is near contact: it takes a rod through a full circle in
     /// one step, across indefinite tangents between two stable states. It comes first, too, near an equilibrium. The
     /// trust-region search follows if it does not converge, if strands would touch or pass each other, and when leaving
-    /// an unstable state (`leaving`). It ends, not converged, when the potential falls below the value of `leaving`, which
-    /// is enough to know that a motion is not neutral.
+    /// an unstable state (`options.leaving`).
     ///
     /// # Errors
     /// Numerical breakdown; the report says whether the search converged.
@@ -25,8 +24,8 @@ impl Workspace {
         engine: &mut Engine,
         drive: &PrescribedMotion,
         options: &SearchOptions,
-        leaving: Option<f64>,
     ) -> Result<NewtonReport, SolveError> {
+        let leaving = options.leaving;
         let Lifted { state: mut start, drive, .. } = lifted(engine, &engine.state, drive);
         engine.swivels.iter().for_each(|swivel| swivel.restore(&mut start));
         let drive = &drive;
@@ -48,14 +47,14 @@ impl Workspace {
         if !stable_only || !(engine.contact.is_some() || leaving.is_some()) {
             let direct = if stable_only { &direct } else { options };
             match self.direct(engine, drive, direct, stable_only) {
-                Ok(report) if !stable_only || report.converged => return Ok(report),
+                Ok(report) if !stable_only || report.converged || report.interrupted => return Ok(report),
                 Ok(report) => spent = report.iterations,
                 Err(_) if stable_only => {}
                 Err(error) => return Err(error),
             }
             engine.state = start;
         }
-        let mut report = self.trust_region_search(engine, drive, options, leaving.unwrap_or(f64::NEG_INFINITY))?;
+        let mut report = self.trust_region_search(engine, drive, options)?;
         spent.append(&mut report.iterations);
         report.iterations = spent;
         Ok(report)
@@ -76,6 +75,9 @@ impl Workspace {
         engine.contact = side;
         // after a breakdown the other searches begin from the start
         let Ok(mut report) = outcome else { return Ok(None) };
+        if report.interrupted {
+            return Ok(Some(report));
+        }
         if report.converged
             && timed(&mut self.timings.detection, || engine.is_path_free(&before)).unwrap_or(false)
             && !engine.is_touching()
@@ -101,7 +103,7 @@ impl Workspace {
         let before = engine.contact.as_ref().and_then(|side| side.before.clone());
         // after a breakdown the trust-region search begins from the start
         if let Ok(mut report) = self.direct(engine, drive, options, true) {
-            if report.converged && report.num_unstable == 0 {
+            if report.interrupted || report.converged && report.num_unstable == 0 {
                 return Ok(Some(report));
             }
             spent.append(&mut report.iterations);

@@ -2,12 +2,18 @@
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::{CONTRACTION, IN_VAIN};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::interrupt::Interrupt;
-use crate::solve::search::workspace::{Foretold, Workspace};
+use crate::solve::search::workspace::Workspace;
+
+/// Largest ratio of two steps in a row of a search that converges near an equilibrium, because with less gain the trust
+/// region does better.
+const CONTRACTION: f64 = 0.4;
+/// Steps in a row that were cut, or hardly shrank, after which a plain search gives up, because the first may be
+/// chance.
+const BAD_STEPS: usize = 2;
 
 /// Options of an equilibrium search; lengths are relative to the node spacing, rotations in rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,6 +66,8 @@ pub(crate) struct NewtonReport {
     pub(crate) work: f64,
     /// What kept the last step from being taken as a whole, if the search did not converge.
     pub(crate) obstacle: Option<SolveError>,
+    /// Whether an [`Interrupt`] ended it.
+    pub(crate) interrupted: bool,
 }
 
 impl Iteration {
@@ -70,25 +78,32 @@ impl Iteration {
     }
 }
 
-/// What is asked of one search, and what is known of it beforehand.
+/// Options of one search, and what is known of its end beforehand.
 #[derive(Debug, Clone)]
-pub(crate) struct SearchOptions {
+pub(crate) struct SearchOptions<'a> {
     /// Newton's choices, with the tolerance of this search.
     pub(crate) newton: NewtonOptions,
-    /// Unstable equilibria that may be left in a row without a fall of the potential worth the name.
+    /// Unstable equilibria that may be left in a row while the potential hardly falls.
     pub(crate) max_escapes: usize,
     /// Extent of the last step of a rough search, whose result is the start of the next one; `None`: not rough.
     pub(crate) rough: Option<f64>,
     /// The search starts from an equilibrium under slightly different pressures: its first steps are plain.
     pub(crate) near_rest: bool,
-    /// What is known of the end.
-    pub(crate) foretold: Foretold,
+    /// For a search that leaves an unstable equilibrium: the potential \[F·L\] below which it ends, not converged,
+    /// which is enough to know that the motion is not neutral.
+    pub(crate) leaving: Option<f64>,
+    /// Shear forces and tension of the first linearisation, per element and integration point \[F\]; empty: those of
+    /// the state.
+    pub(crate) forces: &'a [[[f64; 3]; 3]],
+    /// Rotations, rad, from the start to the end, by the order of magnitude; infinite: not known.
+    pub(crate) uncertainty: f64,
 }
 
-impl SearchOptions {
-    /// The same without what was known of the end.
-    pub(crate) fn unforetold(&self) -> Self {
-        Self { foretold: Foretold::default(), ..self.clone() }
+impl SearchOptions<'_> {
+    /// The same of a search of whose end nothing is known.
+    pub(crate) fn without_foresight(&self) -> SearchOptions<'static> {
+        let Self { newton, max_escapes, rough, near_rest, leaving, .. } = self.clone();
+        SearchOptions { newton, max_escapes, rough, near_rest, leaving, forces: &[], uncertainty: f64::INFINITY }
     }
 }
 
@@ -106,9 +121,10 @@ impl Workspace {
         let mut remaining = 1.0;
         let mut divergence = Divergence { cut_steps: 0, growing: 0, last: f64::INFINITY };
         let mut state = engine.state.clone();
-        let mut stress = engine.stress_with(&state, &search.foretold.forces);
+        let mut stress = engine.stress_with(&state, search.forces);
         for iteration in 0..options.max_iterations {
-            if self.must_stop(options) {
+            if options.interrupt.is_raised() {
+                report.interrupted = true;
                 return Ok(report);
             }
             self.refresh(engine, &state)?;
@@ -145,12 +161,6 @@ impl Workspace {
         report.num_unstable = self.count_unstable(engine)?;
         Ok(report)
     }
-
-    /// Whether the search is to stop; kept until the caller resets it.
-    pub(crate) fn must_stop(&mut self, options: &NewtonOptions) -> bool {
-        self.interrupted |= options.interrupt.is_raised();
-        self.interrupted
-    }
 }
 
 /// Signs of divergence over the steps of a search.
@@ -169,7 +179,7 @@ impl Divergence {
         self.cut_steps = if fraction < 1.0 { self.cut_steps + 1 } else { 0 };
         self.growing = if increment > CONTRACTION * self.last { self.growing + 1 } else { 0 };
         self.last = increment;
-        self.cut_steps >= IN_VAIN || near_rest && self.growing >= IN_VAIN
+        self.cut_steps >= BAD_STEPS || near_rest && self.growing >= BAD_STEPS
     }
 }
 

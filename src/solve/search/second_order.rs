@@ -14,8 +14,8 @@ use crate::solve::problem::state::State;
 
 impl Engine {
     /// Adds to `forces` (six per node) Σ k e ∂gap/∂x of the contacts of `residual`, the gradient at `state` with its
-    /// tangent: e is the change of gaps beyond the one that `increment` predicted, at the present points of contact. Strands
-    /// that were nowhere in contact push with the forces they have `there`.
+    /// tangent: e is the change of gaps beyond the one that `increment` predicted, at the present points of contact.
+    /// Strands that were nowhere in contact push with the forces they have `there`.
     pub(crate) fn add_contact_second_order(
         &self,
         (state, increment): (&State, &[f64]),
@@ -182,7 +182,8 @@ mod tests {
         Engine::new(Model { rods, supports, contact, ..Model::default() }, None).unwrap()
     }
 
-    /// Second-order force of contact if the upper rod is moved by `by`, as the force on each rod over the law's stiffness \[L²\].
+    /// Second-order force of contact if the upper rod is moved by `by`, as the force on each rod over the law's
+    /// stiffness \[L²\].
     fn moved(across: bool, by: Vec3) -> [Vec3; 2] {
         let mut engine = pair(across);
         let state = engine.state.clone();

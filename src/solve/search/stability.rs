@@ -1,5 +1,5 @@
-//! Shifts that leave no negative eigenvalue, the lowest eigenvalue, and the direction in which an unstable equilibrium is
-//! left.
+//! Shifts that leave no negative eigenvalue, the lowest eigenvalue, and the direction in which an unstable equilibrium
+//! is left.
 
 use crate::error::SolveError;
 use crate::solve::measures::MAX_ITERATIONS;
@@ -64,8 +64,8 @@ impl Workspace {
         self.convex_shift(engine, 1.0, 2.0, 0)?;
         // from the fixed start, whatever the searches before have left
         self.softest.clear();
-        // so few rounds that something of other modes stays in it: a direction converged to rounding has the symmetry of
-        // the state, and rounding would decide which of two mirror images comes next
+        // so few rounds that something of other modes stays in it: a direction converged to rounding has the symmetry
+        // of the state, and rounding would decide which of two mirror images comes next
         self.lowest_above(engine, MAX_ITERATIONS);
         let turn = self.softest.chunks(6).flat_map(|n| &n[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
         let scale = if turn > 0.0 { 1.0 / turn } else { 1.0 };

@@ -4,8 +4,8 @@
 //! relative motion of two cubics is bounded by that of their control points (convex hulls). A step fraction t keeps
 //! every pair of strands apart if t × (bound of the relative motion) is less than their present distance. Pairs are
 //! looked for in a `tree`, which settles parts that move together, are far from each other or lie along an arc too
-//! straight to close as a whole: where nothing is near, a step of any length is free. `isotopy` joins such steps to a path from
-//! one state to another. Planes, which do not move, are looked at in `planes`.
+//! straight to close as a whole: where nothing is near, a step of any length is free. `isotopy` joins such steps to a
+//! path from one state to another. Planes, which do not move, are looked at in `planes`.
 
 mod isotopy;
 mod planes;
@@ -16,10 +16,13 @@ use std::f64::consts::TAU;
 use self::tree::PassageTree;
 use crate::error::SolveError;
 use crate::math::{Vec3, parallel};
-use crate::solve::measures::{MAX_ROUNDS, ROUGH};
+use crate::solve::measures::MAX_ROUNDS;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
+
+/// Part of the increment below which the advance of a bound ends, because the rest is not worth another bound.
+const LEAST_PROGRESS: f64 = 0.01;
 
 /// Distances and angles that a step must keep.
 #[derive(Debug, Clone, Copy)]
@@ -84,7 +87,7 @@ impl Engine {
             if t >= longest {
                 return Ok(longest);
             }
-            if part * (1.0 - t) < ROUGH {
+            if part * (1.0 - t) < LEAST_PROGRESS {
                 break;
             }
         }
@@ -252,7 +255,8 @@ mod tests {
         }
     }
 
-    /// A closed trefoil of `elements` cubic elements, and a ring through it if `with_ring`; sections tilted by an angle.
+    /// A closed trefoil of `elements` cubic elements, and a ring through it if `with_ring`; sections tilted by an
+    /// angle.
     fn knot(elements: usize, with_ring: bool, tilt: f64) -> Engine {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.008);
         let knot = Shape::TorusKnot(TorusKnot::new(1.0, [2, 3]));

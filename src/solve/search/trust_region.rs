@@ -7,10 +7,11 @@
 //! corrected by −K⁻¹(BᵀC e + s) on the factorisation at hand, a few times. After that the potential is meaningful and
 //! the step is accepted like any trust-region step, by comparing its decrease with the model's. Where contact opens or
 //! closes along the step the corrections may not converge; then the state of lowest potential among them is taken if it
-//! lies low enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K + τM: at
-//! least so large that no negative eigenvalue is left, larger until the step is within the radius. Then the step goes on
-//! along itself to where the quadratic model is lowest within the radius: a shift that one stiff or unstable direction
-//! asks for would keep all others short, and a valley that hardly falls takes hundreds of steps where a few will do.
+//! lies low enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K +
+//! τM: at least so large that no negative eigenvalue is left, larger until the step is within the radius. Then the step
+//! goes on along itself to where the quadratic model is lowest within the radius: a shift that one stiff or unstable
+//! direction asks for would keep all others short, and a valley that hardly falls takes hundreds of steps where a few
+//! will do.
 //!
 //! A search continues as long as the potential falls or supports advance ([`progress`]).
 
@@ -22,7 +23,7 @@ mod step;
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::{HALVINGS, SAME};
+use crate::solve::measures::HALVINGS;
 use crate::solve::problem::assembly::{Potential, Residual};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::work_of_moments;
@@ -36,14 +37,17 @@ use progress::SearchProgress;
 use radius::{LARGEST, StepOutcome, TrustRegion};
 use step::ModelStep;
 
+/// Smallest fraction that is tried of a step which supports push, because less is no motion on a mesh.
+const SHORTEST_PUSH: f64 = 1e-3;
+
 /// Fractions of a step that are tried before the shift is raised, because a fraction costs an evaluation, a shift a
 /// factorisation.
 const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
 /// Factor on the shift after a rejected step, at least, and by which the radius shrinks, because a step that is hardly
 /// shorter is rejected again.
 const RAISING: f64 = 4.0;
-/// Decrease of the potential, over the expected one, with which a step is accepted. With .1 instead, a rod a million times
-/// as long as thick does not come to rest under its whole load at once.
+/// Decrease of the potential, over the expected one, with which a step is accepted. With .1 instead, a rod a million
+/// times as long as thick does not come to rest under its whole load at once.
 const LEAST: f64 = 0.05;
 
 /// State of a search.
@@ -72,9 +76,9 @@ enum Advance {
 
 impl Search {
     fn new(engine: &Engine, drive: &PrescribedMotion, options: &SearchOptions) -> Self {
-        let (newton, foretold) = (&options.newton, &options.foretold);
+        let newton = &options.newton;
         let state = engine.state.clone();
-        let stress = engine.stress_with(&state, &foretold.forces);
+        let stress = engine.stress_with(&state, options.forces);
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let progress = SearchProgress::new(newton.max_iterations);
         let rest = Convergence::new(newton.tol_increment, options.rough);
@@ -82,7 +86,7 @@ impl Search {
             state,
             stress,
             remaining,
-            trust: TrustRegion::new(foretold.uncertainty),
+            trust: TrustRegion::new(options.uncertainty),
             rest,
             progress,
             rejections: 0,
@@ -95,8 +99,8 @@ impl Search {
         self.remaining > 0.0
     }
 
-    /// Whether a trial decreases the potential enough (or, where supports push, its corrections shrank) and takes no strand
-    /// through another.
+    /// Whether a trial decreases the potential enough (or, where supports push, its corrections shrank) and takes no
+    /// strand through another.
     fn accepts(
         &self,
         engine: &mut Engine,
@@ -116,14 +120,14 @@ impl Search {
 }
 
 impl Workspace {
-    /// Searches for an equilibrium. Below the potential `floor` the search ends, not converged.
+    /// Searches for an equilibrium. Below the potential `options.leaving` the search ends, not converged.
     pub(crate) fn trust_region_search(
         &mut self,
         engine: &mut Engine,
         drive: &PrescribedMotion,
         options: &SearchOptions,
-        floor: f64,
     ) -> Result<NewtonReport, SolveError> {
+        let floor = options.leaving.unwrap_or(f64::NEG_INFINITY);
         let mut search = Search::new(engine, drive, options);
         // a search knows nothing of the one before
         self.softest.clear();
@@ -145,7 +149,7 @@ impl Workspace {
             match self.advance(engine, &mut search, (&residual, &drive_now), options)? {
                 Advance::Done => {}
                 Advance::NoFarther => break,
-                Advance::Interrupted => return Ok(search.report),
+                Advance::Interrupted => return Ok(NewtonReport { interrupted: true, ..search.report }),
             }
         }
         self.finish(engine, search)
@@ -164,7 +168,7 @@ impl Workspace {
         // no step knows the shift of the one before: contact that was put right asks for none any more
         self.shift = 0.0;
         loop {
-            if self.must_stop(&options.newton) {
+            if options.newton.interrupt.is_raised() {
                 return Ok(Advance::Interrupted);
             }
             let within = if search.is_pushed() { f64::INFINITY } else { search.trust.radius };
@@ -203,8 +207,8 @@ impl Workspace {
         }
     }
 
-    /// Shortens the next try after a step of which a fraction was rejected; whether there is a shorter one. `longest` is
-    /// the fraction that is tried of a step that supports push.
+    /// Shortens the next try after a step of which a fraction was rejected; whether there is a shorter one. `longest`
+    /// is the fraction that is tried of a step that supports push.
     fn shorten(&mut self, search: &mut Search, step: &ModelStep, fraction: f64, longest: &mut f64) -> bool {
         let limit = match search.is_pushed() {
             // no motion of a support leads that far: the tangent is nearly singular
@@ -212,7 +216,7 @@ impl Workspace {
             // shifts do not shorten prescribed motions
             true => {
                 *longest = SHORTER[0] * fraction;
-                return *longest >= SAME;
+                return *longest >= SHORTEST_PUSH;
             }
             false => {
                 search.trust.reject(step.extent);

@@ -24,29 +24,6 @@ pub(crate) const NEUTRAL_SHIFT: f64 = 1e-7;
 /// on its clamp falls (`tests/solver/held_motions.rs`).
 const LOOSE: f64 = 1e-3;
 
-/// What is known beforehand of the end of a search.
-#[derive(Debug, Clone)]
-pub(crate) struct Foretold {
-    /// Shear forces and tension of the first linearisation, per element and integration point \[F\]; empty: those of the
-    /// state.
-    pub(crate) forces: Vec<[[f64; 3]; 3]>,
-    /// Rotations, rad, from the start to the end, by the order of magnitude; infinite: not known.
-    pub(crate) uncertainty: f64,
-}
-
-impl Default for Foretold {
-    fn default() -> Self {
-        Self::forces(Vec::new())
-    }
-}
-
-impl Foretold {
-    /// Nothing but forces.
-    pub(crate) fn forces(forces: Vec<[[f64; 3]; 3]>) -> Self {
-        Self { forces, uncertainty: f64::INFINITY }
-    }
-}
-
 /// Matrix, factorisation and other data that searches share.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
@@ -69,8 +46,6 @@ pub(crate) struct Workspace {
     pub(crate) timings: Timings,
     /// Bases of the unknowns of the last linearisation.
     bases: Bases,
-    /// A search was interrupted.
-    pub(crate) interrupted: bool,
 }
 
 impl Workspace {

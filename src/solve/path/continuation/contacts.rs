@@ -6,8 +6,11 @@ use crate::contact::chain::{ChainPiece, pieces};
 use crate::contact::curve::CurveSet;
 use crate::math::groups::Groups;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::ROUGH;
 use crate::solve::problem::engine::Engine;
+
+/// Distance along the rods, over the contact radius, within which two sites are one contact, because a foot is known no
+/// better where the distance hardly changes along it.
+const REACH: f64 = 0.01;
 
 /// Arcs on two strands, each with its curve; ends ascending \[L\].
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +39,7 @@ impl LabelledContacts {
         }
         let terms = engine.residual(&engine.state).contact_pairs;
         // a foot is known no better where the distance hardly changes along it
-        let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), ROUGH * side.min_radius);
+        let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), REACH * side.min_radius);
         let augments = solver.augments();
         for term in &terms {
             if augments {

@@ -7,14 +7,21 @@
 //! gap opens. λ may turn back at such a point, and unstable directions appear or vanish without an eigenvalue that
 //! passes zero.
 //!
-//! Newton's method does not converge from one side to the other, because before contact the tangent has no contact stiffness.
-//! So the first point beyond is predicted with the overlap under which the contact law exerts the force expected there.
+//! Newton's method does not converge from one side to the other, because before contact the tangent has no contact
+//! stiffness. So the first point beyond is predicted with the overlap under which the contact law exerts the force
+//! expected there.
 
 use crate::error::SolveError;
-use crate::solve::measures::{ARC, HALVINGS, ROUGH, SLIGHT};
+use crate::solve::measures::{ARC, HALVINGS};
 use crate::solve::path::continuation::MAX_CHORD;
 use crate::solve::path::continuation::contacts::LabelledContacts;
 use crate::solve::path::continuation::corrector::{Hyperplane, PathMotion, Point, Tracer};
+
+/// Part of the reach, or of the place of a corner, by which a point is clear of it.
+const CLEAR: f64 = 0.01;
+/// Largest change of a gap along a corner's directions, over the contact radius, because its linearisation holds so
+/// far.
+const CHANGE: f64 = 0.1;
 
 /// A corner and the first point beyond it.
 pub(super) struct Corner {
@@ -61,13 +68,13 @@ impl Tracer<'_> {
         let at = |s: f64| here.tangent.scaled(s);
         let Some((change, place)) = self.next_change(here, reach)? else { return Ok(None) };
         let begins = change.begins;
-        let clear = place + ROUGH * reach;
+        let clear = place + CLEAR * reach;
         let force = self.changing_force(here, &at(if begins { clear } else { 0.0 }), &change)?;
         let size = norm(&force);
         let pattern: Vec<f64> = force.iter().map(|f| f / size).collect();
         // along the path a force that ends falls evenly; with the tangent's overlap, as its power 3/2 at points, it
         // lasts longer
-        let little = ROUGH * place;
+        let little = CLEAR * place;
         let before = if begins {
             place
         } else {
@@ -111,7 +118,7 @@ impl Tracer<'_> {
             let middle = 0.5 * (low + high);
             *(if any(&changes(self, middle)?) { &mut high } else { &mut low }) = middle;
         }
-        let [new, gone] = changes(self, high + ROUGH * reach)?;
+        let [new, gone] = changes(self, high + CLEAR * reach)?;
         let begins = new.iter().any(|c| *c);
         if !begins && !gone.iter().any(|c| *c) {
             return Ok(None);
@@ -217,7 +224,7 @@ impl Tracer<'_> {
             pressed.subtract(&beyond.press, -amount);
             pressed
         };
-        let (mut low, mut high) = (-SLIGHT * radius / largest, SLIGHT * radius / largest);
+        let (mut low, mut high) = (-CHANGE * radius / largest, CHANGE * radius / largest);
         for end in [low, high] {
             if (self.exerted(here, &with(end), beyond)? > force) != (end == high) {
                 return Ok(None);

@@ -3,9 +3,10 @@
 use crate::error::SolveError;
 use crate::rod::element::Stress;
 use crate::scene::ContactLaw;
+use crate::solve::load_step::enforce_contact::MAX_TANGENT_ROUNDS;
 use crate::solve::load_step::multipliers::SecantSteps;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{BALANCED, CONTRACTION, FEW, IN_VAIN, MAX_ITERATIONS};
+use crate::solve::measures::{BALANCED, MAX_ITERATIONS};
 use crate::solve::path::continuation::contacts::LabelledContacts;
 use crate::solve::path::continuation::parameter::Parameter;
 use crate::solve::problem::assembly::Residual;
@@ -13,6 +14,14 @@ use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::state::State;
 use crate::solve::search::newton::{increment_size, relative_residual};
 use crate::solve::search::workspace::NEUTRAL_SHIFT;
+
+/// Largest ratio of two residuals in a row of corrections that converge.
+const CONTRACTION: f64 = 0.4;
+/// Corrections in a row without gain after which there will be none, because the first may be chance.
+const STALLS: usize = 2;
+/// Corrections in a row of which a part was taken, after which there will be no whole one, because the first may be
+/// chance.
+const MAX_CUTS: usize = 3;
 
 /// A motion of all unknowns and of the parameter.
 #[derive(Debug, Clone)]
@@ -80,13 +89,13 @@ struct Stall {
 }
 
 impl Stall {
-    /// Whether a path's point is at rest although increments do not shrink: near a branch point rounding makes increments
-    /// along the critical direction without end; the residual is their square, and tells rest.
+    /// Whether a path's point is at rest although increments do not shrink: near a branch point rounding makes
+    /// increments along the critical direction without end; the residual is their square, and tells rest.
     fn is_reached(&mut self, residual: f64, increment: f64) -> bool {
         let stalls = residual <= BALANCED && residual > CONTRACTION * self.least && increment <= BALANCED.sqrt();
         self.count = if stalls { self.count + 1 } else { 0 };
         self.least = self.least.min(residual);
-        self.count >= IN_VAIN
+        self.count >= STALLS
     }
 }
 
@@ -215,7 +224,7 @@ impl Tracer<'_> {
             if iteration > 0 && fraction == 1.0 && size <= tol {
                 return Ok(true);
             }
-            if cut_in_a_row >= FEW || iteration == MAX_ITERATIONS {
+            if cut_in_a_row >= MAX_CUTS || iteration == MAX_ITERATIONS {
                 return Ok(false);
             }
             self.iterations += 1;
@@ -291,7 +300,7 @@ impl Tracer<'_> {
         let mut secant_steps = SecantSteps::default();
         let mut num_followed = 0;
         loop {
-            if num_followed < FEW && self.solver.engine.follow_tangents() {
+            if num_followed < MAX_TANGENT_ROUNDS && self.solver.engine.follow_tangents() {
                 num_followed += 1;
                 if !self.newton(point, moved, &still, plane)? {
                     return Ok(false);

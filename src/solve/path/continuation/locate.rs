@@ -2,9 +2,15 @@
 //! target.
 
 use crate::error::SolveError;
-use crate::solve::measures::{HALVINGS, MAX_ROUNDS, ROUGH, SAME};
+use crate::solve::measures::{HALVINGS, MAX_ROUNDS};
 use crate::solve::path::continuation::PointKind;
 use crate::solve::path::continuation::corrector::{Hyperplane, PathMotion, Point, Tracer};
+
+/// Part of a step within which two events are one, because an eigenvalue that only touches zero crosses it there and
+/// back by rounding.
+const SAME_EVENT: f64 = 0.01;
+/// Part of a bracket that a trial keeps from its ends, because a trial at an end shows nothing.
+const MARGIN: f64 = 1e-3;
 
 /// How far the states on both sides of a corner may be apart, relative to the step and in units of how well it is
 /// located, because beyond it Newton has gone to another path.
@@ -123,7 +129,7 @@ impl Tracer<'_> {
             self.crossings(base, [first, before], tol, &mut here);
             self.crossings(base, [after, last], tol, &mut here);
             // where the eigenvalue only touches zero rounding makes it cross there and back
-            let near = (ROUGH * distance).max(100.0 * tol);
+            let near = (SAME_EVENT * distance).max(100.0 * tol);
             here.retain(|event| (event.distance - at).abs() > near);
         }
         let elsewhere: usize = here.iter().map(Event::multiplicity).sum();
@@ -222,7 +228,9 @@ impl Bracket {
     fn next(&self) -> f64 {
         let [low, high] = &self.ends;
         match (low.value, high.value) {
-            (Some(a), Some(b)) if a * b < 0.0 => low.distance + self.width() * (a / (a - b)).clamp(SAME, 1.0 - SAME),
+            (Some(a), Some(b)) if a * b < 0.0 => {
+                low.distance + self.width() * (a / (a - b)).clamp(MARGIN, 1.0 - MARGIN)
+            }
             _ => 0.5 * (low.distance + high.distance),
         }
     }

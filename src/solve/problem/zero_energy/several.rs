@@ -10,10 +10,10 @@ use super::{
 };
 use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
-use crate::solve::measures::SAME;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
+use crate::solve::problem::zero_energy::TOLERANCE;
 
 /// Six numbers for each node of some rods, rod by rod; with the rod.
 type NodalMotions = Vec<(usize, Vec<f64>)>;
@@ -133,7 +133,7 @@ impl Several {
             }
         }
         let norm = size(&motion, self);
-        if norm <= least.max(SAME * before) {
+        if norm <= least.max(TOLERANCE * before) {
             return;
         }
         motion.iter_mut().flat_map(|(_, values)| values).for_each(|x| *x /= norm);

@@ -1,10 +1,10 @@
 //! How far a step may go before a strand passes a plane.
 //!
-//! The distance of a segment's points from a plane is a cubic polynomial, and so is the rate at which a linear motion of
-//! its control points changes it: both are known exactly. Dinkelbach's iteration (Management Science 13 (1967) 492)
-//! finds the largest fraction of a step under which all points keep their distance: the nearest point tells how far the step
-//! may go, until it is the same point twice. The second-order part of the rotations is left out, and bounded as between
-//! strands.
+//! The distance of a segment's points from a plane is a cubic polynomial, and so is the rate at which a linear motion
+//! of its control points changes it: both are known exactly. Dinkelbach's iteration (Management Science 13 (1967) 492)
+//! finds the largest fraction of a step under which all points keep their distance: the nearest point tells how far the
+//! step may go, until it is the same point twice. The second-order part of the rotations is left out, and bounded as
+//! between strands.
 
 use super::{Keep, SegmentMotion};
 use crate::contact::curve::CurveSet;

@@ -1,11 +1,11 @@
 //! Which fraction of a step lets no strand pass another: branch and bound over a tree of runs of segments.
 //!
 //! The tree halves each curve into runs. A pair of runs needs no further look if its largest approach, times the best
-//! fraction known, is less than the distance of its boxes. Nor does it if both belong to one curve and the arc over both
-//! cannot close: where a curve meets itself, the arc between is a loop with one corner, and such a loop turns by π at least
-//! (Fenchel). The turning on the way is at most that of the present plus the
-//! relative rotations of the step, so straight stretches cost nothing however far they swing. The result is the minimum
-//! over pairs of segments, whatever the order in which they are met.
+//! fraction known, is less than the distance of its boxes. Nor does it if both belong to one curve and the arc over
+//! both cannot close: where a curve meets itself, the arc between is a loop with one corner, and such a loop turns by π
+//! at least (Fenchel). The turning on the way is at most that of the present plus the relative rotations of the step,
+//! so straight stretches cost nothing however far they swing. The result is the minimum over pairs of segments,
+//! whatever the order in which they are met.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,10 @@ use crate::contact::capsule::{Capsule, distance_lower_bound_within};
 use crate::contact::curve::CurveSet;
 use crate::contact::exclusion::Exclusion;
 use crate::math::{Vec3, parallel};
-use crate::solve::measures::{ARC, AT_ONCE, ROUNDING, SLIGHT};
+use crate::solve::measures::{ARC, AT_ONCE, ROUNDING};
+
+/// Accuracy of bounds of the gap, over the part of the contact distance that is kept.
+const BOUND_ACCURACY: f64 = 0.1;
 
 /// Segments of the smallest runs.
 const RUN: usize = 4;
@@ -134,7 +137,8 @@ impl<'a> PassageTree<'a> {
 
     /// Largest t ≤ 1 for which no pair of strands comes nearer than is to be kept.
     pub(super) fn fraction(&self) -> f64 {
-        // a small set is not shared out: deepest first a small fraction, which spares other pairs a look, is known sooner
+        // a small set is not shared out: deepest first a small fraction, which spares other pairs a look, is known
+        // sooner
         let enough = if self.set.len() <= AT_ONCE { usize::MAX } else { AT_ONCE };
         // shares are the same for any number of threads, and so is the minimum
         let (shares, t) = self.descend(vec![[0, 0]], enough, 1.0);
@@ -242,9 +246,9 @@ impl<'a> PassageTree<'a> {
         let contact_distance = set.radius_of(i) + set.radius_of(j);
         let (a, b) = (&self.capsules[i], &self.capsules[j]);
         let mut allowed = self.allowed(a.distance_lower_bound(b), contact_distance);
-        // How well the distance of a pair that could meet is known: a segment of a thin rod bulges by much more than its
-        // thickness, with that for an error no step near contact would be left.
-        let tol = SLIGHT * self.keep.distance * contact_distance;
+        // How well the distance of a pair that could meet is known: a segment of a thin rod bulges by much more than
+        // its thickness, with that for an error no step near contact would be left.
+        let tol = BOUND_ACCURACY * self.keep.distance * contact_distance;
         if approach * t <= allowed {
             return t;
         }

@@ -2,10 +2,25 @@
 
 use super::corrected_step::CorrectedStep;
 use super::step::ModelStep;
-use crate::solve::measures::{BALANCED, CONTRACTION, FEW, FINE, SAME, SLIGHT};
+use crate::solve::measures::BALANCED;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::contact_balance::is_light;
+
+/// Largest change of contact forces in the last step of a rough search, over their size, because the next step then
+/// changes them by less than a fifth.
+const CONTACT_FOUND: f64 = 0.4;
+/// Tiny shifted steps in a row that mean a saddle, because the first may be chance.
+const SADDLE_STEPS: usize = 3;
+/// Change of contact forces, over their size, with which they have converged, because they are known no better than
+/// gaps are.
+const CONTACT_BALANCED: f64 = 1e-6;
+/// Change of contact forces and residual, over their sizes, and increment over the tolerance, that together show a
+/// balance which rounding hides.
+const NEARLY: f64 = 1e-3;
+/// Ratio of expected decreases three steps apart above which they do not fall, because steps that converge fall by far
+/// more.
+const STAYS: f64 = 0.1;
 
 /// Sizes of an accepted step.
 pub(super) struct Accepted {
@@ -45,7 +60,7 @@ impl Convergence {
     /// Whether the search is stuck: the shift made the step shorter than the tolerance, although forces are out of
     /// balance. Without this test it would not end where strands have no room left.
     pub(super) fn is_stuck(&self, accepted: &Accepted) -> bool {
-        accepted.shift > 0.0 && accepted.size <= self.tol_increment && accepted.unbalanced > SAME
+        accepted.shift > 0.0 && accepted.size <= self.tol_increment && accepted.unbalanced > NEARLY
     }
 
     /// Whether the search has converged with an accepted step from the state of `residual`.
@@ -63,7 +78,7 @@ impl Convergence {
             // relative motion decides, for a long rod swings far by little, once forces have found their places: the
             // end of a line of contact moves by about a layer (B/κ)^¼ an iteration, so it has less far to go under the
             // softer law
-            Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= CONTRACTION),
+            Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= CONTACT_FOUND),
         };
         // tiny shifted steps with a small residual are those at a saddle; the caller decides whether to leave it
         // (a large shift alone makes any step tiny)
@@ -77,16 +92,16 @@ impl Convergence {
             self.decrements.push(expected);
         }
         // steps that leave a saddle grow by far more than that in three steps
-        let stays = |last: f64, before: f64| last > SLIGHT * before && (!indefinite || SLIGHT * last < before);
+        let stays = |last: f64, before: f64| last > STAYS * before && (!indefinite || STAYS * last < before);
         let idle = balanced && matches!(self.decrements[..], [.., before, _, _, last] if stays(last, before));
-        trial.fraction == 1.0 && (still && !indefinite || self.at_saddle >= FEW || idle)
+        trial.fraction == 1.0 && (still && !indefinite || self.at_saddle >= SADDLE_STEPS || idle)
     }
 
     /// Whether contact forces have converged after a tiny step.
     fn balances(&self, engine: &Engine, residual: &Residual, trial: &CorrectedStep, accepted: &Accepted) -> bool {
-        let nearly = trial.contact_change <= SAME && accepted.unbalanced <= SAME;
-        nearly && accepted.size <= SAME * self.tol_increment
+        let nearly = trial.contact_change <= NEARLY && accepted.unbalanced <= NEARLY;
+        nearly && accepted.size <= NEARLY * self.tol_increment
             || is_light(engine, residual, accepted.size, self.tol_increment)
-            || trial.contact_change <= FINE.max(10.0 * self.tol_increment)
+            || trial.contact_change <= CONTACT_BALANCED.max(10.0 * self.tol_increment)
     }
 }

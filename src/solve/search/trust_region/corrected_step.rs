@@ -5,7 +5,7 @@ use super::gain;
 use super::step::ModelStep;
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::{BALANCED, CONTRACTION, MAX_ROUNDS, ROUGH, SLIGHT};
+use crate::solve::measures::{BALANCED, MAX_ROUNDS};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::work_of_moments;
@@ -13,6 +13,15 @@ use crate::solve::problem::state::State;
 use crate::solve::search::step_bound::largest_turn;
 use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::Workspace;
+
+/// Last correction, over the step, with which corrections have converged, because the next is as much smaller again.
+const SETTLED: f64 = 0.01;
+/// Largest ratio of two corrections in a row that converge. With .5 instead, corrections that hardly shrink go on: the
+/// beam beside a clamp takes 2844 iterations instead of 709.
+const CONTRACTION: f64 = 0.4;
+/// Change of contact forces, over their size, and turn of a node, rad, up to which the linearisation of a step holds,
+/// because its error is the square: a hundredth.
+const GENTLE: f64 = 0.1;
 
 /// A step after its corrections.
 #[derive(Clone)]
@@ -114,7 +123,7 @@ impl Workspace {
             }
             last = size;
             trial.rounds += 1;
-            trial.settled = size < ROUGH;
+            trial.settled = size < SETTLED;
             trial.state = engine.retract(state, &wanted, 1.0);
             trial.increment = wanted;
             trial.excess = Some(excess);
@@ -127,8 +136,8 @@ impl Workspace {
         })
     }
 
-    /// Residual of a trial, and its potential and change of contact. `None` where contact cannot be resolved: the step is
-    /// too long.
+    /// Residual of a trial, and its potential and change of contact. `None` where contact cannot be resolved: the step
+    /// is too long.
     fn evaluate(&mut self, engine: &mut Engine, before: &Residual, trial: &mut CorrectedStep) -> Option<Residual> {
         trial.obstacle = timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).err();
         if trial.obstacle.is_some() {
@@ -154,7 +163,7 @@ impl Workspace {
     ) -> (Vec<f64>, Vec<[Stress; 3]>) {
         let StepStart { state, residual, pushed } = linear.from;
         // near equilibrium the whole residual is corrected (a chord step)
-        let gentle = self.shift == 0.0 && linear.fraction == 1.0 && !pushed && trial.contact_change <= SLIGHT;
+        let gentle = self.shift == 0.0 && linear.fraction == 1.0 && !pushed && trial.contact_change <= GENTLE;
         let with_contact = !(pushed || gentle);
         let (excess, mut second_order) = engine.elastic_second_order(state, &trial.state, &trial.increment);
         if with_contact {
@@ -174,16 +183,16 @@ impl Workspace {
         (from.iter().zip(&correction).map(|(b, c)| b - c).collect(), excess)
     }
 
-    /// Factorises with a larger shift if the correction of a step, of more energy than the step, is not small beside it, so
-    /// that another one moves less; whether it did. The correction of least energy slides strands in contact along each
-    /// other, and rods along what is soft in them, by as much as the step does, because that costs nothing, and leaves
-    /// errors as large as those it mends. A correction should be a tenth of the step ([`SLIGHT`]); without contact this
-    /// holds for steps that turn no node by more than a tenth of a radian only, because a correction is the second order
-    /// of its step. The shift is at most that of bends as wide as the contact distance d, or, without contact, as the node
-    /// spacing, B/d⁴: with more of it strands would evade each other by kinks.
+    /// Factorises with a larger shift if the correction of a step, of more energy than the step, is not small beside
+    /// it, so that another one moves less; whether it did. The correction of least energy slides strands in contact
+    /// along each other, and rods along what is soft in them, by as much as the step does, because that costs nothing,
+    /// and leaves errors as large as those it mends. A correction should be a tenth of the step ([`GENTLE`]); without
+    /// contact this holds for steps that turn no node by more than a tenth of a radian only, because a correction is
+    /// the second order of its step. The shift is at most that of bends as wide as the contact distance d, or, without
+    /// contact, as the node spacing, B/d⁴: with more of it strands would evade each other by kinks.
     fn localise(&mut self, engine: &Engine, linear: &LinearStep, correction: &[f64]) -> bool {
         let is_in_contact = !linear.from.residual.contact_pairs.is_empty();
-        if !is_in_contact && largest_turn(&linear.increment) > SLIGHT {
+        if !is_in_contact && largest_turn(&linear.increment) > GENTLE {
             return false;
         }
         let width = engine.contact.as_ref().map_or(engine.scales.lever, |side| 2.0 * side.min_radius);
@@ -192,7 +201,7 @@ impl Workspace {
             return false;
         }
         let [step, moved] = [&linear.increment, correction].map(|x| self.inertia(engine, x));
-        let shorter = (moved / step).sqrt() / SLIGHT;
+        let shorter = (moved / step).sqrt() / GENTLE;
         let stiffness = energy / moved;
         let largest = (engine.scales.length / width).powi(4);
         // that of a single mode of this stiffness, shift included

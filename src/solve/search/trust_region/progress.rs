@@ -1,7 +1,10 @@
 //! Budget of a search: iterations without progress.
 
-use crate::solve::measures::ROUGH;
 use crate::solve::problem::assembly::Potential;
+
+/// Decrease of the potential over the stored energy, or advance of a motion over its remainder, that counts as
+/// progress, because a snap of magnetic tweezers descends for 700 iterations by as much in a hundred.
+const PROGRESS: f64 = 0.01;
 
 /// Energy stored in rods and contact.
 pub(in crate::solve) fn stored_energy(potential: &Potential) -> f64 {
@@ -23,13 +26,13 @@ impl SearchProgress {
         Self { allowed, idle: 0, potential: f64::INFINITY, remaining: 1.0 }
     }
 
-    /// Records the state before an iteration. Progress is a decrease of the potential by a hundredth of the stored energy,
-    /// because a snap of magnetic tweezers descends for 700 iterations by as much in a hundred, or as large an advance
-    /// of a prescribed motion, relative to its remainder.
+    /// Records the state before an iteration. Progress is a decrease of the potential by a hundredth of the stored
+    /// energy, because a snap of magnetic tweezers descends for 700 iterations by as much in a hundred, or as large an
+    /// advance of a prescribed motion, relative to its remainder.
     pub(super) fn see(&mut self, potential: &Potential, remaining: f64) {
         let total = potential.total();
-        let falls = total < self.potential - ROUGH * stored_energy(potential);
-        let advances = remaining < (1.0 - ROUGH) * self.remaining;
+        let falls = total < self.potential - PROGRESS * stored_energy(potential);
+        let advances = remaining < (1.0 - PROGRESS) * self.remaining;
         if falls || advances {
             (self.idle, self.potential, self.remaining) = (0, total, remaining);
         }

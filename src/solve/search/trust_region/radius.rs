@@ -1,7 +1,10 @@
 //! Radius of the trust region, by the outcome of the last steps.
 
 use super::RAISING;
-use crate::solve::measures::{ARC, MAX_ROUNDS, ROUGH};
+use crate::solve::measures::{ARC, MAX_ROUNDS};
+
+/// Smallest first radius, rad, because a prediction is not known to be better than it was for the last state.
+const SMALLEST_FIRST: f64 = 0.01;
 
 /// Largest radius, rad.
 pub(super) const LARGEST: f64 = 2.0;
@@ -34,14 +37,14 @@ pub(super) struct TrustRegion {
 impl TrustRegion {
     /// At first as large as the end of the search is uncertain (rad).
     pub(super) fn new(uncertainty: f64) -> Self {
-        Self { radius: uncertainty.clamp(ROUGH, ARC) }
+        Self { radius: uncertainty.clamp(SMALLEST_FIRST, ARC) }
     }
 
     /// After an accepted step.
     pub(super) fn accept(&mut self, step: StepOutcome) {
         let taken = step.fraction * step.extent;
-        // half of the rounds allowed: with three, a knot that slides through itself repeats the same small step for hundreds
-        // of iterations; without a bound steps under a hard penalty alternate
+        // half of the rounds allowed: with three, a knot that slides through itself repeats the same small step for
+        // hundreds of iterations; without a bound steps under a hard penalty alternate
         if step.gain.is_none_or(|gain| step.rounds <= MAX_ROUNDS / 2 && FORESEEN.contains(&gain)) {
             self.radius = self.radius.max(GROWTH * taken).min(LARGEST);
         } else if step.gain.is_some_and(|gain| gain < 1.0 / FORESEEN.end) {
@@ -77,7 +80,7 @@ mod tests {
     #[test]
     fn it_begins_as_large_as_the_end_is_uncertain() {
         let begins = |uncertainty: f64| TrustRegion::new(uncertainty).radius;
-        assert_eq!([1e-9, 0.03, f64::INFINITY].map(begins), [ROUGH, 0.03, ARC]);
+        assert_eq!([1e-9, 0.03, f64::INFINITY].map(begins), [SMALLEST_FIRST, 0.03, ARC]);
     }
 
     #[test]

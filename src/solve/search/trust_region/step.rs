@@ -1,8 +1,7 @@
-//! The step of the trust-region search: that of the smallest shift which makes the model convex and keeps the step within
-//! the radius.
+//! The step of the trust-region search: that of the smallest shift which makes the model convex and keeps the step
+//! within the radius.
 
 use crate::error::SolveError;
-use crate::solve::measures::FEW;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -12,13 +11,17 @@ use crate::solve::search::workspace::{NEUTRAL_SHIFT, Workspace};
 
 use super::RAISING;
 
+/// Times that the shift of a step is refined, because the first guess measures, the second corrects, the third
+/// confirms.
+const REFINEMENTS: usize = 3;
+
 /// Smallest shift, in units of B/L⁴, because that is the eigenvalue of a rod's softest bending.
 const FIRST_SHIFT: f64 = 10.0;
 /// Factor on a shift that leaves a negative eigenvalue, because a shift that is raised too far is lowered again by an
 /// estimate, and each try is a factorisation.
 const CLIMBING: f64 = 8.0;
-/// Margin of estimates: on the shift that the lowest eigenvalue asks for, and on the radius, because to meet either exactly
-/// takes more factorisations than a step saves.
+/// Margin of estimates: on the shift that the lowest eigenvalue asks for, and on the radius, because to meet either
+/// exactly takes more factorisations than a step saves.
 const MARGIN: f64 = 1.5;
 /// Factor by which a shift is raised or lowered at least, because each try is a factorisation. With 1.5 for lowering, a
 /// penalty of κ' = 10⁸ without augmentation does not come to rest.
@@ -127,7 +130,7 @@ impl Workspace {
     ) -> Result<ModelStep, SolveError> {
         self.convexify(engine, at)?;
         let mut step = self.model_step(engine, residual, drive, at)?;
-        for _ in 0..FEW {
+        for _ in 0..REFINEMENTS {
             if step.extent <= MARGIN * radius {
                 break;
             }
@@ -149,8 +152,8 @@ impl Workspace {
     }
 }
 
-/// Extent of a step: the largest rotation of a node, rad, or the largest relative displacement of strands in contact over
-/// their contact distance (at planes along the normal only, because sliding changes nothing there), or the largest
+/// Extent of a step: the largest rotation of a node, rad, or the largest relative displacement of strands in contact
+/// over their contact distance (at planes along the normal only, because sliding changes nothing there), or the largest
 /// displacement of a rod that falls over the model's length.
 fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let falling = (0..engine.model.rods.len()).filter(|rod| is_falling(engine, *rod));

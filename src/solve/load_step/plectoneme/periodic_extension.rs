@@ -1,10 +1,10 @@
 //! Periodic extension: the start of a long plectoneme from the equilibrium of a short one.
 //!
-//! A long plectoneme is uniform but near its end loops, and these are the same at any length. So where the start state of a
-//! closed rod is a uniform double helix in the middle, elements are cut out of it, and the short rod is brought to rest.
-//! Then the elements are put back, in the shape of the short rod's middle (`double_helix`), and the rod closes again
-//! exactly. The short rod's link is chosen so that the long one keeps its own. The long rod then comes to rest from there
-//! like from any other state, or says that it does not.
+//! A long plectoneme is uniform but near its end loops, and these are the same at any length. So where the start state
+//! of a closed rod is a uniform double helix in the middle, elements are cut out of it, and the short rod is brought to
+//! rest. Then the elements are put back, in the shape of the short rod's middle (`double_helix`), and the rod closes
+//! again exactly. The short rod's link is chosen so that the long one keeps its own. The long rod then comes to rest
+//! from there like from any other state, or says that it does not.
 //!
 //! Pressures are smoothed on the short rod first ([`Solver::smooth_pressures`]). Otherwise ripples of elements that
 //! face each other let strands slide along each other in waves: the curvature of the energy along these is negative by
@@ -13,26 +13,39 @@
 
 use std::f64::consts::TAU;
 
-use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Placement, Rod};
 use crate::scene::{ContactLaw, Model};
-use crate::solve::load_step::double_helix::{DoubleHelix, Origin, Screw};
-use crate::solve::load_step::predictor::Prediction;
+use crate::solve::load_step::guess::{Ahead, Guess, LawInForce};
+use crate::solve::load_step::plectoneme::double_helix::{DoubleHelix, NodeOrigin, Screw};
 use crate::solve::load_step::solver::Solver;
-use crate::solve::load_step::step_report::{Status, StepReport};
-use crate::solve::measures::{FEW, MAX_ROUNDS, ROUNDING, SAME};
-use crate::solve::problem::contact_field::ContactField;
+use crate::solve::load_step::step_report::Status;
+use crate::solve::measures::{MAX_ROUNDS, ROUNDING};
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, twist};
 use crate::solve::problem::state::State;
 use crate::solve::search::timing::Timings;
+
+/// Times that pressures are smoothed, because the second time corrects and the third confirms.
+const SMOOTHINGS: usize = 3;
+/// Link, turns, that may be missing on the long rod, because its twist takes up as little.
+const SAME_LINK: f64 = 1e-3;
+/// Distance over the node spacing, and turn, rad, up to which two states are the same, because meshes do not tell them
+/// apart.
+const SAME_SHAPE: f64 = 1e-3;
 
 /// Turns of the superhelix that the short rod keeps. More are tried if it does not converge, because longer ones may.
 const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
 /// Strand kept for each end loop, in contact distances, because the loop and its transition to the regular superhelix
 /// must fit into it.
 const LOOPS: f64 = 60.0;
+
+/// A guess, and what was spent on the short rod.
+struct Lengthened {
+    guess: Guess,
+    iterations: usize,
+    timings: Timings,
+}
 
 /// Where elements are cut out of a long plectoneme, and how many.
 struct Cut {
@@ -55,7 +68,7 @@ impl Cut {
 }
 
 /// Where the nodes of a closed rod come from with elements put into each strand (taken out, if negative).
-fn origins(helix: &DoubleHelix, nodes: usize, elements: isize) -> Vec<Origin> {
+fn origins(helix: &DoubleHelix, nodes: usize, elements: isize) -> Vec<NodeOrigin> {
     let strand = elements * helix.order as isize;
     (0..nodes.saturating_add_signed(2 * strand)).map(|n| helix.origin(n as f64, strand as f64)).collect()
 }
@@ -81,43 +94,33 @@ fn moved(mut state: State, there: &Vec3) -> State {
     state
 }
 
-/// A long plectoneme whose ends are in equilibrium, with the contact that holds them.
-pub(crate) struct Lengthened {
-    state: State,
-    law: Law,
-    offsets: ContactField,
-    /// Newton iterations on the short rod.
-    iterations: usize,
-    /// Iterations spent.
-    timings: Timings,
-}
-
 impl Solver {
-    /// Where the state is a long plectoneme that nothing holds: one whose ends are at rest, with the contact offsets
-    /// that hold them there. None where it is not, or where the short rod does not come to rest.
-    pub(crate) fn lengthened(&self) -> Option<Lengthened> {
-        TURNS.iter().find_map(|turns| self.lengthened_from(*turns))
-    }
-
-    /// Replaces state and contact law by these. Newton iterations on the short rod are counted in the report.
-    pub(crate) fn start_from(&mut self, lengthened: Lengthened, report: &mut StepReport) {
-        if let Some(side) = &mut self.engine.contact {
-            (side.law, side.offsets, side.before) = (lengthened.law, lengthened.offsets, None);
+    /// Where the state is a long plectoneme that nothing holds or moves: one whose ends are at rest, with the contact
+    /// offsets that hold them there. None where it is not, or where the short rod does not come to rest. Iterations on
+    /// the short rod are added to `elsewhere`.
+    pub(in crate::solve::load_step) fn periodic_extension(
+        &mut self,
+        drive: &PrescribedMotion,
+        elsewhere: &mut usize,
+    ) -> Option<Guess> {
+        let still = drive.nodes.is_empty() && drive.seams.iter().all(|angle| *angle == 0.0);
+        if !(still && self.augments()) {
+            return None;
         }
-        self.engine.state = lengthened.state;
-        report.iterations_on_other_meshes += lengthened.iterations;
-        self.workspace.timings += lengthened.timings;
+        let Lengthened { guess, iterations, timings } = TURNS.iter().find_map(|turns| self.lengthened_from(*turns))?;
+        *elsewhere += iterations;
+        self.workspace.timings += timings;
+        Some(guess)
     }
 
     fn lengthened_from(&self, turns: f64) -> Option<Lengthened> {
         let rod = self.free_uniform_ring()?;
         let cut = self.cut(rod, turns)?;
         let mut short = self.shortened(rod, &cut)?;
-        let still = Prediction::still(&short.engine);
-        let mut iterations = short.comes_to_rest(&PrescribedMotion::default(), None)?;
-        for _ in 0..FEW {
+        let mut iterations = short.comes_to_rest(&PrescribedMotion::default(), &Ahead::Unknown)?;
+        for _ in 0..SMOOTHINGS {
             short.smooth_pressures();
-            iterations += short.comes_to_rest(&PrescribedMotion::default(), Some(still.clone()))?;
+            iterations += short.comes_to_rest(&PrescribedMotion::default(), &Ahead::Present)?;
         }
         let wanted = self.engine.state.seams[0] / TAU;
         // links of the long rod per link of the short one, a secant's slope from the second round on
@@ -129,7 +132,7 @@ impl Solver {
             let link = state.seams[0] / TAU;
             let long = self.extended(rod, state, &cut, &helix)?;
             let missing = wanted - long.seams[0] / TAU;
-            if missing.abs() <= SAME {
+            if missing.abs() <= SAME_LINK {
                 let made = origins(&helix, state.positions.len(), cut.elements as isize);
                 return self.in_contact_as(&short, long, &made, iterations);
             }
@@ -138,12 +141,13 @@ impl Solver {
             }
             before = Some([link, missing]);
             let drive = PrescribedMotion { seams: vec![TAU * missing / slope], ..PrescribedMotion::default() };
-            iterations += short.comes_to_rest(&drive, Some(still.clone()))?;
+            iterations += short.comes_to_rest(&drive, &Ahead::Present)?;
         }
         None
     }
 
-    /// The only rod, if it is a uniform ring that nothing but its own contact holds, and no offsets of contact are known.
+    /// The only rod, if it is a uniform ring that nothing but its own contact holds, and no offsets of contact are
+    /// known.
     fn free_uniform_ring(&self) -> Option<&Rod> {
         let (model, state) = (&self.engine.model, &self.engine.state);
         let side = self.engine.contact.as_ref()?;
@@ -155,8 +159,8 @@ impl Solver {
         (free && unloaded && uniform && side.offsets.values.iter().all(|c| *c == 0.0)).then_some(rod)
     }
 
-    /// The cut that leaves so many turns and the end loops; `None` unless at least half of the rod is cut out, because less
-    /// is not worth it.
+    /// The cut that leaves so many turns and the end loops; `None` unless at least half of the rod is cut out, because
+    /// less is not worth it.
     fn cut(&self, rod: &Rod, turns: f64) -> Option<Cut> {
         let side = self.engine.contact.as_ref()?;
         let (order, elements) = (rod.order, rod.num_elements);
@@ -189,20 +193,22 @@ impl Solver {
         Some(long)
     }
 
-    /// The long rod `made` of the short one, moved to where it was and twisted to its own link, with the short one's contact.
-    fn in_contact_as(&self, short: &Self, long: State, made: &[Origin], iterations: usize) -> Option<Lengthened> {
+    /// The long rod `made` of the short one, moved to where it was and twisted to its own link, with the short one's
+    /// contact.
+    fn in_contact_as(&self, short: &Self, long: State, made: &[NodeOrigin], iterations: usize) -> Option<Lengthened> {
         let before = &self.engine.state;
         let mut long = moved(long, &centre(before));
         let angle = before.seams[0] - long.seams[0];
         twist(&self.engine, &mut long, 0, angle);
         let side = short.engine.contact.as_ref()?;
         let offsets = side.offsets.moved(made.iter().map(|origin| origin.node as usize));
-        Some(Lengthened { state: long, law: side.law, offsets, iterations, timings: short.workspace.timings })
+        let contact = Some(LawInForce { law: side.law, offsets, before: None });
+        Some(Lengthened { guess: Guess { contact, ..Guess::of(long) }, iterations, timings: short.workspace.timings })
     }
 
-    /// Newton iterations that [`Solver::solve_step_along`] takes; `None` where it does not converge.
-    fn comes_to_rest(&mut self, drive: &PrescribedMotion, predicted: Option<Prediction>) -> Option<usize> {
-        let report = self.solve_step_along(drive, predicted);
+    /// Newton iterations that [`Solver::load_step`] takes; `None` where it does not converge.
+    fn comes_to_rest(&mut self, drive: &PrescribedMotion, ahead: &Ahead) -> Option<usize> {
+        let report = self.load_step(drive, ahead);
         (report.status == Status::Converged).then_some(report.iterations)
     }
 
@@ -227,8 +233,8 @@ impl Solver {
 }
 
 fn is_same(a: &State, b: &State, spacing: f64) -> bool {
-    let near = |(p, q): (&Vec3, &Vec3)| (p - q).norm() <= SAME * spacing;
-    let aligned = |(p, q): (&Quat, &Quat)| p.angle_to(q) <= SAME;
+    let near = |(p, q): (&Vec3, &Vec3)| (p - q).norm() <= SAME_SHAPE * spacing;
+    let aligned = |(p, q): (&Quat, &Quat)| p.angle_to(q) <= SAME_SHAPE;
     a.positions.iter().zip(&b.positions).all(near) && a.frames.iter().zip(&b.frames).all(aligned)
 }
 
@@ -278,7 +284,7 @@ mod tests {
     fn what_is_not_uniform_is_left_alone() {
         let mut solver = plectoneme(900, 0.3);
         solver.engine.state.positions[3 * 250] += Vec3::new(0.0, 0.01, 0.0);
-        assert!(solver.lengthened().is_none());
+        assert!(solver.periodic_extension(&PrescribedMotion::default(), &mut 0).is_none());
     }
 
     /// Work per length² that strands do against each other while they slide along each other by unit length (K v · v
@@ -329,10 +335,9 @@ mod tests {
         assert!(short.iterations <= 10 && usual.iterations > 3 * short.iterations, "{}", usual.iterations);
         let energy =
             |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum::<f64>();
-        let still = Prediction::still(&slow.engine);
-        for _ in 0..FEW {
+        for _ in 0..SMOOTHINGS {
             slow.smooth_pressures();
-            let report = slow.solve_step_along(&PrescribedMotion::default(), Some(still.clone()));
+            let report = slow.resettle();
             assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
         }
         assert!((energy(&quick) / energy(&slow) - 1.0).abs() < 1e-7, "{} {}", energy(&quick), energy(&slow));
@@ -359,16 +364,12 @@ mod tests {
     fn strands_under_smooth_pressures_do_not_want_to_slide() {
         // at this angle strands come to rest on a crest of the mesh's ripples; at .29 in a trough
         let mut solver = plectoneme(240, 0.31);
-        let still = Prediction::still(&solver.engine);
         assert_eq!(solver.solve_step(&PrescribedMotion::default()).status, Status::Converged);
         let before = stiffness_of_sliding(&mut solver);
         assert!(before < 0.0, "{before}");
-        for _ in 0..FEW {
+        for _ in 0..SMOOTHINGS {
             solver.smooth_pressures();
-            assert_eq!(
-                solver.solve_step_along(&PrescribedMotion::default(), Some(still.clone())).status,
-                Status::Converged
-            );
+            assert_eq!(solver.resettle().status, Status::Converged);
         }
         let after = stiffness_of_sliding(&mut solver);
         assert!(after > -0.05 * before, "{before} {after}");

@@ -1,19 +1,20 @@
 //! Growth of a plectoneme, the predicted state of a rod that is turned at its end.
 //!
-//! A plectoneme between two tails (magnetic tweezers) takes up rod from them while it is wound, and gives rod back while it
-//! is unwound. Its end loop, its double helix, the transitions to the tails and the tails themselves stay what they are;
-//! only their lengths change. No node moves along a smooth path meanwhile: those that enter the double helix wind about
-//! each other by a whole turn a turn. So the state is not extrapolated node by node but put together from the last one:
+//! A plectoneme between two tails (magnetic tweezers) takes up rod from them while it is wound, and gives rod back
+//! while it is unwound. Its end loop, its double helix, the transitions to the tails and the tails themselves stay what
+//! they are; only their lengths change. No node moves along a smooth path meanwhile: those that enter the double helix
+//! wind about each other by a whole turn a turn. So the state is not extrapolated node by node but put together from
+//! the last one:
 //!
 //! ```text
 //! tail | rest of the tail and transition, moved along the rod | longer double helix with its end loop | and back
 //! ```
 //!
-//! How much longer the double helix is (`double_helix`) follows from the turn of the end, to which an element more of it
-//! and one less of the tails contribute the same everywhere: not by a whole number of elements. Double helix and end loop
-//! move by whole elements, because elements at rest are to stay so; the transitions and the tails, which bend less, take
-//! up the rest. The longer tail gives first, because where the plectoneme lies between its tails costs next to nothing,
-//! but its way from the end of a tail that is used up is long.
+//! How much longer the double helix is (`double_helix`) follows from the turn of the end, to which an element more of
+//! it and one less of the tails contribute the same everywhere: not by a whole number of elements. Double helix and end
+//! loop move by whole elements, because elements at rest are to stay so; the transitions and the tails, which bend
+//! less, take up the rest. The longer tail gives first, because where the plectoneme lies between its tails costs next
+//! to nothing, but its way from the end of a tail that is used up is long.
 
 use std::f64::consts::TAU;
 
@@ -21,12 +22,19 @@ use crate::math::link::link_of_ends;
 use crate::math::quaternion::spin;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Rod};
-use crate::solve::load_step::double_helix::{DoubleHelix, Origin, turn_about_d3};
-use crate::solve::measures::{ARC, ROUGH, SAME};
-use crate::solve::problem::contact_field::ContactField;
+use crate::solve::load_step::guess::{Guess, LawInForce};
+use crate::solve::load_step::plectoneme::double_helix::{DoubleHelix, NodeOrigin, turn_about_d3};
+use crate::solve::measures::ARC;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
 use crate::solve::problem::state::State;
+
+/// Largest distance, over the contact distance, of a double helix from its screw motion, because meshes do not tell
+/// them apart.
+const MAX_MISFIT: f64 = 1e-3;
+/// Gap, over the contact radius, of strands that form a double helix, because all segments as near as this are
+/// candidates of contact.
+const NEAR: f64 = 0.03;
 
 /// A plectoneme of an open rod.
 struct OpenPlectoneme {
@@ -64,54 +72,47 @@ struct Tail {
     step: Vec3,
 }
 
-/// A predicted state with its contact offsets, and shear forces and tension of its elements.
-pub(super) struct Grown {
-    pub(super) state: State,
-    pub(super) offsets: ContactField,
-    pub(super) forces: Vec<[[f64; 3]; 3]>,
+/// The state of the same rod with plectoneme and tails as long as the turn of an end takes ([`turned_end`]).
+pub(super) fn grown(engine: &mut Engine, to: &State) -> Option<Guess> {
+    engine.update_contact(&engine.state.clone()).ok()?;
+    longer(engine, to, twist(to) - twist(&engine.state))
 }
 
-impl Grown {
-    /// The state of the same rod with plectoneme and tails as long as the turn of an end takes ([`turned_end`]).
-    pub(super) fn of(engine: &mut Engine, to: &State) -> Option<Self> {
-        engine.update_contact(&engine.state.clone()).ok()?;
-        Self::longer(engine, to, twist(to) - twist(&engine.state))
-    }
+/// The state of a rod of the same kind, longer or not, whose ends are where those of `to` are, and turned against each
+/// other by an angle, rad, more than this one's.
+pub(super) fn longer(short: &Engine, to: &State, angle: f64) -> Option<Guess> {
+    let plectoneme = OpenPlectoneme::find(short)?;
+    let extra = to.positions.len() - short.num_nodes();
+    let exchange = Exchange::new(&plectoneme, short, angle, extra)?;
+    composed(short, &plectoneme, &exchange, to).filter(|made| has_turned(&made.state, &short.state, angle))
+}
 
-    /// The state of a rod of the same kind, longer or not, whose ends are where those of `to` are, and turned against each
-    /// other by an angle, rad, more than this one's.
-    pub(super) fn longer(short: &Engine, to: &State, angle: f64) -> Option<Self> {
-        let plectoneme = OpenPlectoneme::find(short)?;
-        let extra = to.positions.len() - short.num_nodes();
-        let exchange = Exchange::new(&plectoneme, short, angle, extra)?;
-        Self::made(short, &plectoneme, &exchange, to).filter(|made| made.has_turned(&short.state, angle))
-    }
+/// Whether the link of the ends differs by this angle, rad, from that of another state: a strand that passed through
+/// another, or over an end, would change it by two turns.
+fn has_turned(state: &State, from: &State, angle: f64) -> bool {
+    (link(state) - link(from) - angle / TAU).abs() < 1.0
+}
 
-    /// Whether the link of the ends differs by this angle, rad, from that of another state: a strand that passed through
-    /// another, or over an end, would change it by two turns.
-    fn has_turned(&self, from: &State, angle: f64) -> bool {
-        (link(&self.state) - link(from) - angle / TAU).abs() < 1.0
+/// The state of a rod whose ends are where those of `to` are.
+fn composed(engine: &Engine, plectoneme: &OpenPlectoneme, exchange: &Exchange, to: &State) -> Option<Guess> {
+    let last = to.positions.len() - 1;
+    let origins: Vec<NodeOrigin> = (0..=last).map(|n| plectoneme.origin(exchange, n as f64, last as f64)).collect();
+    let (positions, frames) = plectoneme.helix.composed(&origins, |node| placed(engine, node));
+    let mut new = State { positions, frames, remainders: vec![Vec3::zeros(); last + 1], ..to.clone() };
+    // from where the first node was to where supports hold the rod
+    let held = if is_held(engine, 0) { 0 } else { last };
+    let back = to.positions[held] - new.positions[held];
+    new.positions.iter_mut().for_each(|x| *x += back);
+    let spun = turn_about_d3(new.frames[0].inverse() * to.frames[0]);
+    new.frames.iter_mut().for_each(|frame| *frame *= spin(spun));
+    for end in [0, last] {
+        new.frames[end] = to.frames[end];
     }
-
-    /// The state of a rod whose ends are where those of `to` are.
-    fn made(engine: &Engine, plectoneme: &OpenPlectoneme, exchange: &Exchange, to: &State) -> Option<Self> {
-        let last = to.positions.len() - 1;
-        let origins: Vec<Origin> = (0..=last).map(|n| plectoneme.origin(exchange, n as f64, last as f64)).collect();
-        let (positions, frames) = plectoneme.helix.composed(&origins, |node| placed(engine, node));
-        let mut new = State { positions, frames, remainders: vec![Vec3::zeros(); last + 1], ..to.clone() };
-        // from where the first node was to where supports hold the rod
-        let held = if is_held(engine, 0) { 0 } else { last };
-        let back = to.positions[held] - new.positions[held];
-        new.positions.iter_mut().for_each(|x| *x += back);
-        let spun = turn_about_d3(new.frames[0].inverse() * to.frames[0]);
-        new.frames.iter_mut().for_each(|frame| *frame *= spin(spun));
-        for end in [0, last] {
-            new.frames[end] = to.frames[end];
-        }
-        let offsets = engine.contact.as_ref()?.offsets.moved(origins.iter().map(nearest));
-        let forces = moved_forces(engine, plectoneme.helix.order, &origins);
-        Some(Self { state: new, offsets, forces })
-    }
+    let side = engine.contact.as_ref()?;
+    let offsets = side.offsets.moved(origins.iter().map(nearest));
+    let forces = moved_forces(engine, plectoneme.helix.order, &origins);
+    let contact = Some(LawInForce { law: side.law, offsets, before: None });
+    Some(Guess { contact, forces, ..Guess::of(new) })
 }
 
 /// The state with a drive lifted that turns an end of a uniform rod and does nothing else.
@@ -137,14 +138,14 @@ pub(super) fn twist(state: &State) -> f64 {
     state.frames.windows(2).map(|pair| turn_about_d3(pair[0].inverse() * pair[1])).sum()
 }
 
-fn nearest(origin: &Origin) -> usize {
+fn nearest(origin: &NodeOrigin) -> usize {
     origin.node.round() as usize
 }
 
 /// Shear forces and tension of the elements that new ones come from, in frames that have spun.
-fn moved_forces(engine: &Engine, order: usize, origins: &[Origin]) -> Vec<[[f64; 3]; 3]> {
+fn moved_forces(engine: &Engine, order: usize, origins: &[NodeOrigin]) -> Vec<[[f64; 3]; 3]> {
     let stress = engine.actual_stress(&engine.state);
-    let of_element = |origin: &Origin| {
+    let of_element = |origin: &NodeOrigin| {
         let old = &stress[(nearest(origin) / order).min(stress.len() - 1)];
         let (sin, cos) = origin.spin.sin_cos();
         std::array::from_fn(|point| {
@@ -186,11 +187,11 @@ fn is_uniform(engine: &Engine, rod: &Rod) -> bool {
         && (1..last).all(|n| engine.free[n] == [true; 6])
 }
 
-/// Nodes of the longest double helix with those opposite, whose neighbours follow each other backwards. It depends on the
-/// state alone: all segments as near as this are candidates of contact.
+/// Nodes of the longest double helix with those opposite, whose neighbours follow each other backwards. It depends on
+/// the state alone: all segments as near as this are candidates of contact.
 fn longest_double_helix(engine: &Engine, rod: &Rod) -> Option<Vec<[usize; 2]>> {
     let (side, state) = (engine.contact.as_ref()?, &engine.state);
-    let near = (2.0 + 3.0 * ROUGH) * side.min_radius;
+    let near = (2.0 + NEAR) * side.min_radius;
     let mut opposite: Vec<Option<(f64, [usize; 2])>> = vec![None; state.positions.len()];
     for pair in side.broad_phase.pairs() {
         let (first, second) = (pair[0].min(pair[1]) as usize, pair[0].max(pair[1]) as usize);
@@ -240,8 +241,8 @@ impl Tail {
         }
     }
 
-    /// Share of a node in what the tail moves aside, and how much that grows to the next node. It begins and ends without a
-    /// slope.
+    /// Share of a node in what the tail moves aside, and how much that grows to the next node. It begins and ends
+    /// without a slope.
     fn share(&self, n: f64) -> [f64; 2] {
         let length = self.length - self.taken;
         let x = (n / length).clamp(0.0, 1.0);
@@ -289,13 +290,13 @@ impl OpenPlectoneme {
             return None;
         }
         let helix = DoubleHelix::measure(&engine.state, rod.order, middle, count)?;
-        let same = SAME * 2.0 * engine.contact.as_ref()?.min_radius;
+        let same = MAX_MISFIT * 2.0 * engine.contact.as_ref()?.min_radius;
         let fits = helix.screw.misfit(&engine.state, rod.order, middle, count) <= same;
         fits.then_some(Self { ends: run[0], helix, spacing: rod.spacing() })
     }
 
     /// Where node `n` of the new state comes from, whose last node is `last`.
-    fn origin(&self, exchange: &Exchange, n: f64, last: f64) -> Origin {
+    fn origin(&self, exchange: &Exchange, n: f64, last: f64) -> NodeOrigin {
         let Exchange { extra, strand, tails: [left, right], twist } = exchange;
         let ([near, slope], [far, back]) = (left.share(n), right.share(last - n));
         let aside = left.aside * near - right.aside * (1.0 - far);
@@ -314,7 +315,7 @@ impl OpenPlectoneme {
         } else {
             (origin.node, inner)
         };
-        Origin { node, spin: origin.spin + spin, shift: by + aside, slope, ..origin }
+        NodeOrigin { node, spin: origin.spin + spin, shift: by + aside, slope, ..origin }
     }
 }
 

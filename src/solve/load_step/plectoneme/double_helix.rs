@@ -99,7 +99,7 @@ pub(super) struct DoubleHelix {
 
 /// Where a node of a state that is put together comes from.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Origin {
+pub(super) struct NodeOrigin {
     /// Number of the old node, not whole between nodes.
     pub(super) node: f64,
     /// Power of the screw motion.
@@ -118,9 +118,9 @@ impl DoubleHelix {
         Screw::measure(state, order, middle, count).map(|screw| Self { order, middle, screw })
     }
 
-    /// Where a node comes from if the strands become longer by `strand` nodes each; `n` counts nodes from where the first
-    /// one was before. Both together are whole numbers.
-    pub(super) fn origin(&self, n: f64, strand: f64) -> Origin {
+    /// Where a node comes from if the strands become longer by `strand` nodes each; `n` counts nodes from where the
+    /// first one was before. Both together are whole numbers.
+    pub(super) fn origin(&self, n: f64, strand: f64) -> NodeOrigin {
         let [from, to] = self.middle.map(|node| node as f64);
         let [first, second] = self.screw.spins;
         let (p, elements) = (self.order as f64, strand / self.order as f64);
@@ -135,12 +135,16 @@ impl DoubleHelix {
             (old + (back - forth) * p, back, forth)
         };
         let spin = (elements - back) * first + forth * second;
-        Origin { node, power: elements - back - forth, spin, shift: Vec3::zeros(), slope: Vec3::zeros() }
+        NodeOrigin { node, power: elements - back - forth, spin, shift: Vec3::zeros(), slope: Vec3::zeros() }
     }
 
     /// Positions \[L\] and frames of nodes that come from places of a rod.
-    pub(super) fn composed(&self, origins: &[Origin], place: impl Fn(f64) -> (Vec3, Quat)) -> (Vec<Vec3>, Vec<Quat>) {
-        let moved = |origin: &Origin| {
+    pub(super) fn composed(
+        &self,
+        origins: &[NodeOrigin],
+        place: impl Fn(f64) -> (Vec3, Quat),
+    ) -> (Vec<Vec3>, Vec<Quat>) {
+        let moved = |origin: &NodeOrigin| {
             let (position, frame) = place(origin.node);
             let (motion, turn) = self.screw.power(origin.power);
             let frame = turn * frame * spin(origin.spin);

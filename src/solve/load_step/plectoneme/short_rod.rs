@@ -1,38 +1,36 @@
 //! Snap of a long straight rod into a plectoneme, made on a short one.
 //!
-//! Pulled and turned far enough, a straight rod snaps into a plectoneme between two straight tails (magnetic tweezers). Its
-//! end loop and its transitions are the same on a rod of any length, its double helix and its tails are uniform. So a piece
-//! of the rod is turned until it snaps, and brought to rest; then its double helix and its tails are lengthened
+//! Pulled and turned far enough, a straight rod snaps into a plectoneme between two straight tails (magnetic tweezers).
+//! Its end loop and its transitions are the same on a rod of any length, its double helix and its tails are uniform. So
+//! a piece of the rod is turned until it snaps, and brought to rest; then its double helix and its tails are lengthened
 //! ([`Exchange`](super::growth)) to the length and the turns of the whole. The long rod comes to rest from there like
 //! from any other state, or says that it does not.
 
 use crate::math::Vec3;
 use crate::rod::{Placement, Rod};
 use crate::scene::{Model, NodeRef};
-use crate::solve::load_step::growth::{Grown, twist};
+use crate::solve::load_step::guess::Guess;
+use crate::solve::load_step::plectoneme::growth::{longer, twist};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::Status;
-use crate::solve::measures::{MAX_ROUNDS, NOTHING, SLIGHT};
+use crate::solve::measures::{MAX_ROUNDS, NOTHING};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
-use crate::solve::search::timing::Timings;
 
-/// Length of the short rod, in lengths (B/T)^½ over which tension T straightens a rod of bending stiffness B: a loop and
-/// its transitions take some ten, and as many are to be left of each tail, along which bending decays by e per length.
+/// Turn by which the short rod is turned farther, over its turn, until it snaps.
+const MORE_TURN: f64 = 0.1;
+
+/// Length of the short rod, in lengths (B/T)^½ over which tension T straightens a rod of bending stiffness B: a loop
+/// and its transitions take some ten, and as many are to be left of each tail, along which bending decays by e per
+/// length.
 const LENGTHS: f64 = 30.0;
 
-/// A state of the long rod, and what was spent on the short one.
-pub(super) struct Snapped {
-    pub(super) grown: Grown,
-    pub(super) iterations: usize,
-    pub(super) timings: Timings,
-}
-
 impl Solver {
-    /// The plectoneme that a uniform rod snaps into whose end turns ([`turned_end`](super::growth::turned_end)); `None` if
-    /// it is not straight, not long, stable, or if loads or planes make places of it differ.
-    pub(super) fn snapped_short(&mut self, to: &State) -> Option<Snapped> {
+    /// The plectoneme that a uniform rod snaps into whose end turns ([`turned_end`](super::growth::turned_end)); `None`
+    /// if it is not straight, not long, stable, or if loads or planes make places of it differ. Iterations on the short
+    /// rod are added to `elsewhere`.
+    pub(super) fn snapped_short(&mut self, to: &State, elsewhere: &mut usize) -> Option<Guess> {
         let nodes = short_length(&self.engine)?;
         if !self.is_unstable(to)? {
             return None;
@@ -41,15 +39,17 @@ impl Solver {
         let mut iterations = 0;
         let mut turned = twist(&short.engine.state);
         for round in 0..MAX_ROUNDS {
-            let angle = if round == 0 { 0.0 } else { SLIGHT * turned };
+            let angle = if round == 0 { 0.0 } else { MORE_TURN * turned };
             let report = short.solve_step(&short.turn(angle));
             turned += angle;
             iterations += report.iterations;
             if report.status != Status::Converged || report.stiffness_reduction > 1.0 {
                 return None;
             }
-            if let Some(grown) = Grown::longer(&short.engine, to, twist(to) - turned) {
-                return Some(Snapped { grown, iterations, timings: short.workspace.timings });
+            if let Some(guess) = longer(&short.engine, to, twist(to) - turned) {
+                *elsewhere += iterations;
+                self.workspace.timings += short.workspace.timings;
+                return Some(guess);
             }
         }
         None
@@ -117,9 +117,10 @@ mod tests {
 
     use super::*;
     use crate::scene::{LineLoad, NodeLoad};
-    use crate::solve::load_step::growth::tests::{dna, energies, turn};
-    use crate::solve::load_step::growth::{link, turned_end};
-    use crate::solve::load_step::step_report::StepReport;
+    use crate::solve::load_step::guess::Ahead;
+    use crate::solve::load_step::plectoneme::growth::tests::{dna, energies, turn};
+    use crate::solve::load_step::plectoneme::growth::{link, turned_end};
+    use crate::solve::load_step::step_report::Origin;
 
     /// A straight rod of `elements` that turns just before it snaps, and the drive on which it does.
     fn about_to_snap(elements: usize, sliding: usize) -> (Solver, PrescribedMotion) {
@@ -132,8 +133,8 @@ mod tests {
         (solver, drive)
     }
 
-    /// A long rod comes to rest with its link, and where it does the slow way, from the straight rod under the core law, in
-    /// a small part of the iterations.
+    /// A long rod comes to rest with its link, and where it does the slow way, from the straight rod under the core
+    /// law, in a small part of the iterations.
     #[test]
     fn long_rods_snap_as_short_ones_do() {
         // of 240 elements the slow way a loop passes over the end that slides
@@ -141,9 +142,7 @@ mod tests {
         let before = solver.snapshot();
         let [quick, found] = snaps_by_a_piece(&mut solver, &drive);
         solver.restore(before).unwrap();
-        let mut slow = StepReport::settled();
-        solver.approach(&drive, &mut slow).unwrap();
-        solver.enforce_gaps(&mut slow).unwrap();
+        let slow = solver.load_step_from(&[Origin::CoreLaw], &drive, &Ahead::Unknown);
         assert_eq!((slow.status, slow.num_unstable), (Status::Converged, 0));
         assert!(slow.iterations as f64 > 3.0 * quick, "{} {quick}", slow.iterations);
         let [scale, known] = energies(&solver);
@@ -160,7 +159,7 @@ mod tests {
     /// Iterations on the whole rod, and the potential at rest.
     fn snaps_by_a_piece(solver: &mut Solver, drive: &PrescribedMotion) -> [f64; 2] {
         let report = solver.solve_step(drive);
-        assert_eq!((report.status, report.num_unstable, report.predicted), (Status::Converged, 0, false));
+        assert_eq!((report.status, report.num_unstable, report.start), (Status::Converged, 0, Some(Origin::ShortRod)));
         assert!(report.iterations_on_other_meshes > 0 && report.iterations < 100, "{}", report.iterations);
         let turned = 0.15 * 2.5 * solver.engine.model.rods[0].num_elements as f64 / TAU;
         assert!((link(&solver.engine.state) - turned).abs() < 1e-4, "{} {turned}", link(&solver.engine.state));
@@ -169,7 +168,7 @@ mod tests {
 
     fn snaps(solver: &mut Solver, drive: &PrescribedMotion) -> bool {
         let to = turned_end(&solver.engine, drive).unwrap();
-        solver.snapped_short(&to).is_some()
+        solver.snapped_short(&to, &mut 0).is_some()
     }
 
     /// What is stable stays straight, what is short has no shorter piece, what is bent is not straight, and where loads
