@@ -2,7 +2,7 @@
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::problem::assembly::{Residual, Tangent};
+use crate::solve::problem::assembly::{Places, Residual, Tangent};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::add_moment_skew;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -88,6 +88,7 @@ impl Workspace {
         if self.pattern.is_none() || generation != self.generation {
             // freed first, because they are the largest allocations
             (self.factor, self.pattern) = (None, None);
+            self.tangent.places = Places::default();
             engine.check_memory()?;
             timed(&mut self.timings.symbolic, || {
                 let (pattern, factor) = Factor::of(engine.node_graph())?;
