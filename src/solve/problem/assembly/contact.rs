@@ -1,6 +1,6 @@
 //! Contact at a state, and its contributions.
 
-use super::scatter::{Batch, Kind};
+use super::scatter::{Batch, Kind, batch_size};
 use super::{Residual, Sink};
 use crate::contact::potential::{self, CandidateTerms, ContactGeometry, EndTerm, Offsets, Pressures, Request, plane};
 use crate::error::{InputError, SolveError};
@@ -64,13 +64,14 @@ fn add_pairs(
 ) {
     let all = side.broad_phase.pairs();
     let mut batch = std::mem::take(&mut sink.scratch.pairs);
-    batch.resize_with(AT_ONCE.min(all.len()), || CandidateTerms::NONE);
-    for (index, pairs) in all.chunks(AT_ONCE).enumerate() {
+    let at_once = batch_size();
+    batch.resize_with(at_once.min(all.len()), || CandidateTerms::NONE);
+    for (index, pairs) in all.chunks(at_once).enumerate() {
         let found = &mut batch[..pairs.len()];
         potential::evaluate_tangents(geometry, pairs, pressures, found);
         let nodes = |k: usize| (side.ends_of(pairs[k]), 4);
         let blocks = |k: usize| found[k].second_derivative();
-        let first = index * AT_ONCE;
+        let first = index * at_once;
         sink.add_batch(&Batch { kind: Kind::Pair, first, count: pairs.len(), nodes: &nodes, blocks: &blocks });
         for term in found.iter_mut().flat_map(|pair| &mut pair.terms).filter_map(Option::take) {
             add_term(side, term, out);

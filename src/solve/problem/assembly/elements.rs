@@ -1,6 +1,6 @@
 //! Contributions of elements, and their strains and stresses.
 
-use super::scatter::{Batch, Kind};
+use super::scatter::{Batch, Kind, batch_size};
 use super::{Residual, Sink};
 use crate::math::{Quat, Vec3, parallel};
 use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Strain, Stress, evaluate};
@@ -31,9 +31,10 @@ impl Engine {
     ) {
         let mut results = std::mem::take(&mut sink.scratch.elements);
         let blank = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
-        results.resize(AT_ONCE.min(self.elements.len()), blank);
-        for first in (0..self.elements.len()).step_by(AT_ONCE) {
-            let count = AT_ONCE.min(self.elements.len() - first);
+        let at_once = batch_size();
+        results.resize(at_once.min(self.elements.len()), blank);
+        for first in (0..self.elements.len()).step_by(at_once) {
+            let count = at_once.min(self.elements.len() - first);
             parallel::each(&mut results[..count], parallel::DEAR, &|k, (result, blocks)| {
                 *blocks = [[0.0; MAX_DOF]; MAX_DOF];
                 let e = first + k;

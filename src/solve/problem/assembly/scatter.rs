@@ -24,8 +24,9 @@ type Starts = [u32; 10];
 const NOWHERE: u32 = u32::MAX;
 /// Nodes of a pair of segments.
 const ENDS: usize = 4;
-/// Blocks per cut of the columns, because a shorter range is added faster than it is handed to a thread.
-const LEAST_SHARE: usize = 256;
+/// Terms of a batch for each thread, because a piece of work is [`DEAR`](parallel::DEAR) of them and four are shared out
+/// evenly; their second derivatives fill a megabyte, which a cache holds.
+const BATCH: usize = 4 * parallel::DEAR;
 
 /// Places of the blocks of all terms in a pattern; empty: not known.
 #[derive(Debug, Default)]
@@ -68,6 +69,11 @@ fn upper(count: usize) -> impl Iterator<Item = [usize; 2]> {
 pub(super) enum Kind {
     Element,
     Pair,
+}
+
+/// Number of terms in a batch. Sums do not depend on it.
+pub(super) fn batch_size() -> usize {
+    BATCH * parallel::num_threads()
 }
 
 /// A batch of computed terms of one kind.
@@ -206,7 +212,7 @@ impl Block<'_> {
 
 /// Where the values are cut so that each thread has as many of these terms as another: at first columns of nodes.
 fn cuts(starts: &[Starts]) -> Vec<usize> {
-    let count = parallel::num_threads().min(starts.len() / LEAST_SHARE);
+    let count = parallel::num_threads().min(starts.len() / BATCH);
     if count < 2 {
         return Vec::new();
     }
