@@ -20,7 +20,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Conj, MatMut, MatRef, Par, Side};
 
 use crate::error::SolveError;
-use crate::sparse::fronts::{Lower, Supernodes, Tree};
+use crate::sparse::fronts::{EliminationTree, Lower, Supernodes};
 use crate::sparse::{NodeGraph, Pattern};
 
 /// Signs of the eigenvalues of a factorised matrix (Sylvester).
@@ -34,7 +34,7 @@ pub struct Inertia {
 pub struct Factor {
     symbolic: SymbolicCholesky<u32>,
     /// `None` for diagonal matrices.
-    tree: Option<Tree>,
+    tree: Option<EliminationTree>,
     values: Vec<f64>,
     scratch: MemBuffer,
 }
@@ -97,7 +97,7 @@ impl Factor {
         let scratch = MemBuffer::try_new(scratch).map_err(|_| failed("out of memory".to_owned()))?;
         let values = vec![0.0; symbolic.len_val()];
         let tree = match symbolic.raw() {
-            SymbolicCholeskyRaw::Supernodal(symbolic) => Some(Tree::new(&supernodes(symbolic))),
+            SymbolicCholeskyRaw::Supernodal(symbolic) => Some(EliminationTree::new(&supernodes(symbolic))),
             SymbolicCholeskyRaw::Simplicial(_) => None,
         };
         Ok(Self { symbolic, tree, values, scratch })

@@ -69,7 +69,7 @@ impl<'a> Supernodes<'a> {
 pub(super) type Eliminate = fn(&mut [f64], [usize; 2], &mut [f64], &mut Vec<f64>) -> bool;
 
 /// The tree of supernodes, cut into tasks.
-pub(super) struct Tree {
+pub(super) struct EliminationTree {
     /// Per supernode: range in `children`.
     child_ptr: Vec<u32>,
     /// Ascending for each supernode.
@@ -86,14 +86,14 @@ pub(super) struct Tree {
 type Updates = BTreeMap<u32, Vec<f64>>;
 
 /// A task with the panels of its supernodes.
-struct Job<'a> {
+struct FactorTask<'a> {
     supernodes: &'a [u32],
     panels: Vec<&'a mut [f64]>,
     /// Updates left; `None` if a pivot vanished.
     left: Option<Updates>,
 }
 
-impl Tree {
+impl EliminationTree {
     pub(super) fn new(shape: &Supernodes) -> Self {
         let count = shape.count();
         let mut of_column = Vec::new();
@@ -187,12 +187,12 @@ impl Tree {
         let mut job = |supernodes: &'_ [u32]| -> Vec<&mut [f64]> {
             supernodes.iter().filter_map(|&s| panels[s as usize].take()).collect()
         };
-        let mut jobs: Vec<Job> = self
+        let mut jobs: Vec<FactorTask> = self
             .tasks
             .iter()
-            .map(|task| Job { supernodes: task, panels: job(task), left: Some(Updates::new()) })
+            .map(|task| FactorTask { supernodes: task, panels: job(task), left: Some(Updates::new()) })
             .collect();
-        let mut last = Job { supernodes: &self.rest, panels: job(&self.rest), left: Some(Updates::new()) };
+        let mut last = FactorTask { supernodes: &self.rest, panels: job(&self.rest), left: Some(Updates::new()) };
         parallel::each(&mut jobs, 1, &|_, job| self.run((shape, matrix), job, eliminate));
         for job in jobs {
             match (&mut last.left, job.left) {
@@ -205,9 +205,9 @@ impl Tree {
     }
 
     /// Factorises the supernodes of a job. `left` are the updates from elsewhere before it, those for elsewhere after it.
-    fn run(&self, (shape, matrix): (&Supernodes, Lower), job: &mut Job, eliminate: Eliminate) {
+    fn run(&self, (shape, matrix): (&Supernodes, Lower), job: &mut FactorTask, eliminate: Eliminate) {
         let Some(mut waiting) = job.left.take() else { return };
-        let (mut spare, mut places, mut product) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut spare, mut runs, mut product) = (Vec::new(), Vec::new(), Vec::new());
         for (&s, panel) in job.supernodes.iter().zip(&mut job.panels) {
             let (columns, rows) = (shape.columns(s as usize), shape.rows(s as usize));
             let mut update: Vec<f64> = spare.pop().unwrap_or_default();
@@ -218,7 +218,7 @@ impl Tree {
             front.add_matrix(matrix);
             for child in self.children(s as usize) {
                 let Some(added) = waiting.remove(child) else { continue };
-                front.add_update(shape.rows(*child as usize), &added, &mut places);
+                front.add_update(shape.rows(*child as usize), &added, &mut runs);
                 spare.push(added);
             }
             if !eliminate(panel, size, &mut update, &mut product) {
@@ -231,7 +231,7 @@ impl Tree {
 }
 
 /// A task of a solve.
-struct Sweep<'a> {
+struct SolveTask<'a> {
     supernodes: &'a [u32],
     /// Numbers of their columns, one supernode after the other.
     own: Vec<f64>,
@@ -239,11 +239,11 @@ struct Sweep<'a> {
     between: Updates,
 }
 
-impl Tree {
+impl EliminationTree {
     /// Solves with the panels of a factorisation, in place.
     pub(super) fn solve(&self, shape: &Supernodes, values: &[f64], x: &mut [f64]) {
-        let sweep = |supernodes| Sweep { supernodes, own: Vec::new(), between: Updates::new() };
-        let mut sweeps: Vec<Sweep> = self.tasks.iter().map(|task| sweep(task)).collect();
+        let sweep = |supernodes| SolveTask { supernodes, own: Vec::new(), between: Updates::new() };
+        let mut sweeps: Vec<SolveTask> = self.tasks.iter().map(|task| sweep(task)).collect();
         let mut last = sweep(&self.rest);
         let given: &[f64] = x;
         parallel::each(&mut sweeps, 1, &|_, sweep| self.forward((shape, values), given, sweep));
@@ -268,7 +268,7 @@ impl Tree {
     }
 
     /// Solves L D y = b for the columns of a task.
-    fn forward(&self, (shape, values): (&Supernodes, &[f64]), b: &[f64], sweep: &mut Sweep) {
+    fn forward(&self, (shape, values): (&Supernodes, &[f64]), b: &[f64], sweep: &mut SolveTask) {
         // sums of the supernodes whose parents are still to come
         let (mut stack, mut front): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
         for &s in sweep.supernodes {
@@ -308,7 +308,7 @@ impl Tree {
     }
 
     /// Solves Lᵀ x = y for the columns of a task.
-    fn backward(&self, (shape, values): (&Supernodes, &[f64]), sweep: &mut Sweep) {
+    fn backward(&self, (shape, values): (&Supernodes, &[f64]), sweep: &mut SolveTask) {
         let (mut stack, mut front): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
         let mut end = sweep.own.len();
         for &s in sweep.supernodes.iter().rev() {
@@ -376,23 +376,53 @@ impl Front<'_> {
     }
 
     /// Adds the update of a child with these rows.
-    fn add_update(&mut self, rows: &[u32], update: &[f64], places: &mut Vec<usize>) {
+    fn add_update(&mut self, rows: &[u32], update: &[f64], runs: &mut Vec<RowRun>) {
         let (width, height) = (self.columns.len(), self.rows.len());
-        let mut at = 0;
-        places.clear();
-        places.extend(rows.iter().map(|&row| place(row, self.columns.start, width, self.rows, &mut at)));
-        for (k, values) in update.chunks_exact(rows.len().max(1)).enumerate() {
-            let (column, values) = (places[k], &values[k..]);
-            let own = match column.checked_sub(width) {
-                None => &mut self.panel[column * (width + height)..][..width + height],
-                Some(column) => &mut self.update[column * height..][..height],
-            };
-            let above = if column < width { 0 } else { width };
-            for (&place, value) in places[k..].iter().zip(values) {
-                own[place - above] += value;
+        self.find_runs(rows, runs);
+        let mut values = update;
+        for (index, run) in runs.iter().enumerate() {
+            for k in 0..run.len {
+                let (column, rest) = values.split_at(rows.len());
+                values = rest;
+                let at = run.to + k;
+                let (own, above) = match at.checked_sub(width) {
+                    None => (&mut self.panel[at * (width + height)..][..width + height], 0),
+                    Some(at) => (&mut self.update[at * height..][..height], width),
+                };
+                add(&mut own[at - above..][..run.len - k], &column[run.from + k..]);
+                for next in &runs[index + 1..] {
+                    add(&mut own[next.to - above..][..next.len], &column[next.from..]);
+                }
             }
         }
     }
+
+    /// Rows of a child that are next to each other here, too: nodes have six unknowns, and supernodes several nodes.
+    fn find_runs(&self, rows: &[u32], runs: &mut Vec<RowRun>) {
+        let (width, mut at) = (self.columns.len(), 0);
+        runs.clear();
+        for (from, &row) in rows.iter().enumerate() {
+            let to = place(row, self.columns.start, width, self.rows, &mut at);
+            match runs.last_mut() {
+                // a run ends where the panel's columns end
+                Some(run) if run.to + run.len == to && to != width => run.len += 1,
+                _ => runs.push(RowRun { from, to, len: 1 }),
+            }
+        }
+    }
+}
+
+/// Rows of a child from `from` on that are those of a front from `to` on.
+struct RowRun {
+    from: usize,
+    to: usize,
+    len: usize,
+}
+
+/// Adds the first of `values` to all of `sums`.
+#[inline]
+fn add(sums: &mut [f64], values: &[f64]) {
+    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
 }
 
 /// Place of a row in a front of columns from `first` on and these rows. `at` is kept between calls with ascending rows.

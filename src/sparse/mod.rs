@@ -1,6 +1,6 @@
 //! Sparse symmetric matrices over nodes with up to six unknowns each: [`pattern`] (built once per contact graph,
-//! refilled), [`factor`] (LDLᵀ with inertia; the only file that names the sparse library), `fronts` (the order of its work, on all
-//! threads).
+//! refilled), [`factor`] (LDLᵀ with inertia; the only file that names the sparse library), `fronts` (the order of its
+//! work, on all threads).
 
 pub mod factor;
 mod fronts;

@@ -1,6 +1,6 @@
 //! Contact at a state, and its contributions.
 
-use super::scatter::{Batch, Kind, batch_size};
+use super::scatter::{TermBatch, TermKind, batch_size};
 use super::{Residual, Sink};
 use crate::contact::potential::{self, CandidateTerms, ContactGeometry, EndTerm, Offsets, Pressures, Request, plane};
 use crate::error::{InputError, SolveError};
@@ -72,7 +72,7 @@ fn add_pairs(
         let nodes = |k: usize| (side.ends_of(pairs[k]), 4);
         let blocks = |k: usize| found[k].second_derivative();
         let first = index * at_once;
-        sink.add_batch(&Batch { kind: Kind::Pair, first, count: pairs.len(), nodes: &nodes, blocks: &blocks });
+        sink.add_batch(&TermBatch { kind: TermKind::Pair, first, count: pairs.len(), nodes: &nodes, blocks: &blocks });
         for term in found.iter_mut().flat_map(|pair| &mut pair.terms).filter_map(Option::take) {
             add_term(side, term, out);
         }

@@ -1,6 +1,6 @@
 //! Contributions of elements, and their strains and stresses.
 
-use super::scatter::{Batch, Kind, batch_size};
+use super::scatter::{TermBatch, TermKind, batch_size};
 use super::{Residual, Sink};
 use crate::math::{Quat, Vec3, parallel};
 use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Strain, Stress, evaluate};
@@ -48,8 +48,8 @@ impl Engine {
                 let element = &self.elements[first + k];
                 (element.nodes, self.nodes_of(element).len())
             };
-            sink.add_batch(&Batch {
-                kind: Kind::Element,
+            sink.add_batch(&TermBatch {
+                kind: TermKind::Element,
                 first,
                 count,
                 nodes: &nodes,

@@ -22,9 +22,7 @@ type Starts = [u32; 10];
 
 /// A block without equations: all its unknowns are supported.
 const NOWHERE: u32 = u32::MAX;
-/// Nodes of a pair of segments.
-const ENDS: usize = 4;
-/// Terms of a batch for each thread, because a piece of work is [`DEAR`](parallel::DEAR) of them and four are shared out
+/// Terms of a batch for each thread, because a piece of work is `parallel::DEAR` of them and four are shared out
 /// evenly; their second derivatives fill a megabyte, which a cache holds.
 const BATCH: usize = 4 * parallel::DEAR;
 
@@ -66,7 +64,7 @@ fn upper(count: usize) -> impl Iterator<Item = [usize; 2]> {
 
 /// Terms whose places are known.
 #[derive(Clone, Copy)]
-pub(super) enum Kind {
+pub(super) enum TermKind {
     Element,
     Pair,
 }
@@ -77,13 +75,13 @@ pub(super) fn batch_size() -> usize {
 }
 
 /// A batch of computed terms of one kind.
-pub(super) struct Batch<'a> {
-    pub(super) kind: Kind,
+pub(super) struct TermBatch<'a> {
+    pub(super) kind: TermKind,
     /// Index of the first among all of its kind.
     pub(super) first: usize,
     pub(super) count: usize,
     /// Nodes of a term of the batch; `count` of them.
-    pub(super) nodes: &'a (dyn Fn(usize) -> ([usize; ENDS], usize) + Sync),
+    pub(super) nodes: &'a (dyn Fn(usize) -> ([usize; 4], usize) + Sync),
     /// Second derivatives of a term of the batch; `None` where there are none.
     pub(super) blocks: &'a (dyn Fn(usize) -> Option<&'a Blocks> + Sync),
 }
@@ -125,7 +123,7 @@ impl<'a> Sink<'a> {
     pub(super) fn add(&mut self, nodes: &[usize], blocks: &Blocks) {
         for [a, c] in upper(nodes.len()) {
             if let Some(start) = self.pattern.block_start(nodes[a], nodes[c]) {
-                let block = Block { nodes: [nodes[a], nodes[c]], at: [a, c], blocks };
+                let block = NodeBlock { nodes: [nodes[a], nodes[c]], at: [a, c], blocks };
                 block.add(self.pattern, &self.bases, self.values, start);
             }
         }
@@ -133,10 +131,10 @@ impl<'a> Sink<'a> {
     }
 
     /// Adds the blocks of a batch of terms.
-    pub(super) fn add_batch(&mut self, batch: &Batch) {
+    pub(super) fn add_batch(&mut self, batch: &TermBatch) {
         let starts = match batch.kind {
-            Kind::Element => &self.places.elements,
-            Kind::Pair => &self.places.pairs,
+            TermKind::Element => &self.places.elements,
+            TermKind::Pair => &self.places.pairs,
         };
         let starts = &starts[batch.first..batch.first + batch.count];
         let (pattern, bases) = (self.pattern, &self.bases);
@@ -151,7 +149,7 @@ impl<'a> Sink<'a> {
                 let (nodes, count) = (batch.nodes)(k);
                 for ([a, c], start) in upper(count).zip(starts).filter(|(_, start)| here.contains(&(**start as usize)))
                 {
-                    let block = Block { nodes: [nodes[a], nodes[c]], at: [a, c], blocks };
+                    let block = NodeBlock { nodes: [nodes[a], nodes[c]], at: [a, c], blocks };
                     block.add(pattern, bases, values, *start as usize - *from);
                 }
             }
@@ -183,13 +181,13 @@ impl<'a> Sink<'a> {
 }
 
 /// A block of a term, and its place there.
-struct Block<'a> {
+struct NodeBlock<'a> {
     nodes: [usize; 2],
     at: [usize; 2],
     blocks: &'a Blocks,
 }
 
-impl Block<'_> {
+impl NodeBlock<'_> {
     fn add(&self, pattern: &Pattern, bases: &Bases, values: &mut [f64], start: usize) {
         let [a, c] = self.at;
         let entry = |i: usize, j: usize| self.blocks[6 * a + i][6 * c + j];
