@@ -2,8 +2,8 @@
 //!
 //! Supernodes form a tree: the parent of one holds the first of its rows. A supernode's front is its own columns of the
 //! matrix plus the updates of its children. Elimination leaves columns of L and D in the panel, and an update of the
-//! other rows for the parent. Disjoint subtrees share nothing: they are tasks for threads. What is above them follows on
-//! one thread. A front adds its children's updates in the order of their numbers, whichever thread made them, so the
+//! other rows for the parent. Disjoint subtrees share nothing: they are tasks for threads. The rest follows on one
+//! thread. A front adds its children's updates in the order of their numbers, whichever thread made them, so the
 //! factor has the same bits for any number of threads.
 //!
 //! Within a task supernodes follow in postorder, so that few updates wait at a time.
@@ -204,7 +204,8 @@ impl EliminationTree {
         last.left.is_some()
     }
 
-    /// Factorises the supernodes of a job. `left` are the updates from elsewhere before it, those for elsewhere after it.
+    /// Factorises the supernodes of a task. `left` are the updates from other tasks before it, those for others after
+    /// it.
     fn run(&self, (shape, matrix): (&Supernodes, Lower), job: &mut FactorTask, eliminate: Eliminate) {
         let Some(mut waiting) = job.left.take() else { return };
         let (mut spare, mut runs, mut product) = (Vec::new(), Vec::new(), Vec::new());

@@ -53,8 +53,8 @@ impl Engine {
     }
 }
 
-/// Adds the terms of all candidates with their second derivatives. These live for one batch of the candidates only, five
-/// kilobytes a pair.
+/// Adds the terms of all candidates with their second derivatives. These live for one batch of the candidates only,
+/// five kilobytes a pair.
 fn add_pairs(
     side: &ContactSide,
     geometry: &ContactGeometry,
