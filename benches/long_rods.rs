@@ -6,9 +6,10 @@
 //! cargo bench --bench long_rods -- --max 1000000 --rest 10000
 //! ```
 //!
-//! DNA in closed plectonemes at supercoiling density −0.06, D = 5 nm, nodes a third of D apart
+//! Per part: microseconds a node and iteration on one core, the share of that, and how many times as fast all threads
+//! are. DNA in closed plectonemes at supercoiling density −0.06, D = 5 nm, nodes a third of D apart
 //! (`examples/ecoli_length.toml` is one of 1e6 nodes). An iteration's cost is the mean over the first iterations from
-//! the start shape, symbolic analysis included as often as it is made. Times on the clock, threads as rayon finds them.
+//! the start shape, symbolic analysis included as often as it is made. Times on the clock.
 //! Writes `target/long_rods/long_rods.csv`.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
@@ -29,7 +30,7 @@ const SPACING: f64 = 5.0 / 3.0;
 
 /// `nudged`: a node out of place by a thousandth of D keeps the rod from being started from a short one at rest, so
 /// that the long one's first iterations are ordinary ones.
-fn solver(nodes: usize, max_iterations: usize, nudged: bool) -> Solver {
+fn solver(nodes: usize, max_iterations: usize, nudged: bool, threads: Option<usize>) -> Solver {
     let elements = nodes / 3;
     let length = SPACING * (3 * elements) as f64;
     let turns = -0.06 * length / (0.34 * 10.5);
@@ -46,7 +47,22 @@ fn solver(nodes: usize, max_iterations: usize, nudged: bool) -> Solver {
     // the contact layer (B/κ)^¼ as wide as the nodes are apart
     let law = ContactLaw::AugmentedLagrangian { stiffness: 10.0, tol_penetration: 1e-8 };
     let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
-    Solver::new(model, Options { newton, ..Options::default() }).unwrap()
+    Solver::new(model, Options { newton, threads, ..Options::default() }).unwrap()
+}
+
+const PARTS: [&str; 7] = ["detection", "assembly", "symbolic", "factor", "solve", "rest", "all"];
+
+/// Times of the parts, in microseconds a node and iteration.
+fn microseconds(nodes: usize, threads: Option<usize>) -> [f64; 7] {
+    let mut solver = solver(nodes, ITERATIONS, true, threads);
+    let started = Instant::now();
+    let report = solver.step_to(&[]).unwrap();
+    let all = started.elapsed();
+    let timings = solver.timings();
+    let each = |time: Duration| time.as_secs_f64() * 1e6 / (report.iterations * nodes) as f64;
+    let parts = [timings.detection, timings.assembly, timings.symbolic, timings.factor, timings.solve];
+    let [detection, assembly, symbolic, factor, solve] = parts;
+    [detection, assembly, symbolic, factor, solve, all - timings.total(), all].map(each)
 }
 
 /// Peak memory of the process so far, MiB; 0 where the system does not tell.
@@ -65,42 +81,41 @@ fn main() {
     let (max, rest) = (number("--max", 100_000), number("--rest", 1000));
     let sizes: Vec<usize> =
         [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000].into_iter().filter(|n| *n <= max).collect();
-    let parts = ["detection", "assembly", "symbolic", "factor", "solve", "rest", "all"];
-    println!("milliseconds per Newton iteration (the first {ITERATIONS} from a plectoneme)\n");
-    println!("{:>9} {} {:>12}", "nodes", parts.map(|p| format!("{p:>10}")).join(" "), "peak MiB");
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    println!("the first {ITERATIONS} iterations from a plectoneme, µs a node and iteration\n");
+    println!(
+        "{:>9} {:>10} {:>9} {:>7} {:>18}",
+        "nodes",
+        "part",
+        "one core",
+        "share",
+        format!("gain by {threads} threads")
+    );
     let mut rows: Vec<(usize, [f64; 7])> = Vec::new();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/long_rods");
     std::fs::create_dir_all(&folder).unwrap();
     let mut csv = csv::Writer::from_path(folder.join("long_rods.csv")).unwrap();
-    csv.write_record(["nodes", "part", "milliseconds_per_iteration"]).unwrap();
+    csv.write_record(["nodes", "part", "threads", "microseconds_per_node_and_iteration"]).unwrap();
     for nodes in sizes {
-        let mut solver = solver(nodes, ITERATIONS, true);
-        let started = Instant::now();
-        let report = solver.step_to(&[]).unwrap();
-        let all = started.elapsed();
-        let timings = solver.timings();
-        let count = report.iterations as f64;
-        let each = |d: Duration| d.as_secs_f64() * 1e3 / count;
-        let row = [timings.detection, timings.assembly, timings.symbolic, timings.factor, timings.solve]
-            .into_iter()
-            .chain([all - timings.total(), all])
-            .map(each)
-            .collect::<Vec<_>>();
-        let row: [f64; 7] = row.try_into().unwrap();
-        for (part, time) in parts.iter().zip(row) {
-            csv.write_record([nodes.to_string(), (*part).to_owned(), time.to_string()]).unwrap();
+        let (alone, shared) = (microseconds(nodes, Some(1)), microseconds(nodes, Some(threads)));
+        for (k, part) in PARTS.iter().enumerate() {
+            let (share, gain) = (100.0 * alone[k] / alone[6], alone[k] / shared[k]);
+            println!("{nodes:>9} {part:>10} {:>9.2} {share:>6.0}% {gain:>18.2}", alone[k]);
+            for (threads, time) in [(1, alone[k]), (threads, shared[k])] {
+                csv.write_record([nodes.to_string(), (*part).to_owned(), threads.to_string(), time.to_string()])
+                    .unwrap();
+            }
         }
-        println!("{nodes:>9} {} {:>12.0}", row.map(|t| format!("{t:>10.2}")).join(" "), peak_memory());
-        rows.push((nodes, row));
+        println!("{nodes:>9} {:>10} {:>9.0} MiB\n", "peak", peak_memory());
+        rows.push((nodes, alone));
     }
-    println!();
-    for (k, part) in parts.iter().enumerate().filter(|_| rows.len() > 1) {
+    for (k, part) in PARTS.iter().enumerate().filter(|_| rows.len() > 1) {
         let points: Vec<(f64, f64)> = rows.iter().map(|(n, row)| (*n as f64, row[k])).collect();
         println!("exponent {part}: {:.2}", exponent(&points));
     }
     println!();
     for nodes in [1_000, 3_000, 10_000, 100_000, 1_000_000].into_iter().filter(|n| *n <= rest) {
-        let mut solver = solver(nodes, NewtonOptions::default().max_iterations, false);
+        let mut solver = solver(nodes, NewtonOptions::default().max_iterations, false, None);
         let started = Instant::now();
         let report = solver.step_to(&[]).unwrap();
         let taken = started.elapsed().as_secs_f64();

@@ -207,9 +207,12 @@ impl Repulsion {
         felt.then(|| {
             let coordinates = Coordinates::ends(&a, &b);
             let blocks = |hessian: Box<Hessian>| {
-                let mut stiffness = PairStiffness::new(coordinates);
+                let mut tangent: Box<PairTangent> = Box::new([[0.0; 24]; 24]);
+                let mut stiffness = PairStiffness::new(coordinates, &mut tangent);
                 stiffness.add_hessian(&hessian);
-                stiffness.finish(&sum.gradient)
+                stiffness.add_gradient(&sum.gradient);
+                stiffness.finish();
+                tangent
             };
             Term {
                 segments: [i, j],

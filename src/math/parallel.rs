@@ -97,10 +97,15 @@ fn enter(_pool: Option<&Pool>, work: &mut (dyn FnMut() + Send)) {
 
 /// Whether only one thread is available.
 pub(crate) fn is_serial() -> bool {
+    num_threads() == 1
+}
+
+/// Number of threads available. Results must not depend on it.
+pub(crate) fn num_threads() -> usize {
     #[cfg(feature = "parallel")]
-    return (!is_inside_pool() && is_forked()) || rayon::current_num_threads() == 1;
+    return if !is_inside_pool() && is_forked() { 1 } else { rayon::current_num_threads() };
     #[cfg(not(feature = "parallel"))]
-    return true;
+    return 1;
 }
 
 /// Calls `task` for 0, 1 … `count` − 1.

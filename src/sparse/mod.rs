@@ -1,7 +1,9 @@
 //! Sparse symmetric matrices over nodes with up to six unknowns each: [`pattern`] (built once per contact graph,
-//! refilled), [`factor`] (LDLᵀ with inertia; the only file that names the sparse library).
+//! refilled), [`factor`] (LDLᵀ with inertia; the only file that names the sparse library), `fronts` (the order of its
+//! work, on all threads).
 
 pub mod factor;
+mod fronts;
 pub mod pattern;
 
 pub use factor::Factor;

@@ -6,6 +6,8 @@
 
 /// Marks an eliminated unknown.
 const NONE: u8 = u8::MAX;
+/// Unknowns of a node that no support holds.
+const ALL: [u8; 6] = [0, 1, 2, 3, 4, 5];
 
 /// Lower triangle pattern over node blocks.
 #[derive(Debug, Clone, Default)]
@@ -228,38 +230,64 @@ impl Pattern {
     /// For `a == b` the block is a contribution to the symmetric diagonal block: its upper part is used.
     /// Pairs not in the pattern are a programming error.
     pub fn add_block(&self, values: &mut [f64], a: usize, b: usize, entry: impl Fn(usize, usize) -> f64) {
+        if let Some(start) = self.block_start(a, b) {
+            self.add_at(values, start, [a, b], entry);
+        }
+    }
+
+    /// Index of the block of two nodes among the values: of the first row of its block in the first column. `None` if
+    /// either has no unknowns. Pairs not in the pattern are a programming error.
+    pub fn block_start(&self, a: usize, b: usize) -> Option<usize> {
+        let (a, b) = (self.master[a] as usize, self.master[b] as usize);
+        let (first, last) = if self.place[a] > self.place[b] { (b, a) } else { (a, b) };
+        if self.num_free(first as u32) == 0 || self.num_free(last as u32) == 0 {
+            return None;
+        }
+        let at = self.place[first] as usize;
+        let list = &self.neighbours[self.neighbour_ptr[at] as usize..self.neighbour_ptr[at + 1] as usize];
+        let found = list.binary_search_by_key(&self.place[last], |n| n.0);
+        assert!(found.is_ok(), "node pair ({a}, {b}) is not in the sparsity pattern");
+        let offset = found.map_or(0, |k| list[k].1);
+        Some((self.col_ptr[self.first[first] as usize] + offset) as usize)
+    }
+
+    /// [`Pattern::add_block`] of two nodes whose block starts at an index of `values`, which may be a part of all that
+    /// holds the first node's columns as a whole.
+    #[inline]
+    pub fn add_at(&self, values: &mut [f64], start: usize, [a, b]: [usize; 2], entry: impl Fn(usize, usize) -> f64) {
         let joined = a != b && self.master[a] == self.master[b];
         let (a, b) = (self.master[a] as usize, self.master[b] as usize);
         if joined {
             // two joined nodes: their coupling and its transpose lie in one diagonal block
-            self.add_ordered(values, a, b, |i, j| entry(i, j) + entry(j, i));
+            self.add_ordered(values, start, [a, b], |i, j| entry(i, j) + entry(j, i));
         } else if self.place[a] > self.place[b] {
-            self.add_ordered(values, b, a, |i, j| entry(j, i));
+            self.add_ordered(values, start, [b, a], |i, j| entry(j, i));
         } else {
-            self.add_ordered(values, a, b, entry);
+            self.add_ordered(values, start, [a, b], entry);
         }
     }
 
-    /// [`Pattern::add_block`] for `a` at or before `b`: goes to rows of b in columns of a.
-    fn add_ordered(&self, values: &mut [f64], a: usize, b: usize, entry: impl Fn(usize, usize) -> f64) {
-        let at = self.place[a] as usize;
-        let list = &self.neighbours[self.neighbour_ptr[at] as usize..self.neighbour_ptr[at + 1] as usize];
-        let slot = list.binary_search_by_key(&self.place[b], |n| n.0);
-        assert!(slot.is_ok(), "node pair ({a}, {b}) is not in the sparsity pattern");
-        let offset = slot.map_or(0, |s| list[s].1) as usize;
-        for i in 0..6 {
-            let column = self.local[a][i];
-            if column == NONE {
-                continue;
+    /// [`Pattern::add_at`] for `a` at or before `b`: goes to rows of b in columns of a.
+    #[inline]
+    fn add_ordered(&self, values: &mut [f64], start: usize, [a, b]: [usize; 2], entry: impl Fn(usize, usize) -> f64) {
+        let first = self.first[a] as usize;
+        let length = (self.col_ptr[first + 1] - self.col_ptr[first]) as usize;
+        if a != b && self.local[a] == ALL && self.local[b] == ALL {
+            let mut at = start;
+            for i in 0..6 {
+                values[at..at + 6].iter_mut().zip(0..).for_each(|(value, j)| *value += entry(i, j));
+                at += length - i - 1;
             }
+            return;
+        }
+        for (i, &column) in self.local[a].iter().enumerate().filter(|(_, column)| **column != NONE) {
             // each column is shorter by one, because entries above the diagonal are not stored
-            let start = self.col_ptr[self.first[a] as usize + column as usize] as usize + offset - column as usize;
-            for j in 0..6 {
-                let row = self.local[b][j];
-                if row == NONE || (a == b && i > j) {
-                    continue;
+            let column = usize::from(column);
+            let at = start + column * length - column * (column + 1) / 2;
+            for (j, &row) in self.local[b].iter().enumerate() {
+                if row != NONE && (a != b || i <= j) {
+                    values[at + usize::from(row)] += entry(i, j);
                 }
-                values[start + row as usize] += entry(i, j);
             }
         }
     }

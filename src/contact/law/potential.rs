@@ -27,8 +27,8 @@ use pressure::PairLaw;
 pub(crate) use pressure::Pressures;
 pub use stiffness::Hessian;
 use stiffness::{Coordinates, PairStiffness};
+pub(crate) use term::{CandidateTerms, EndTerm, PairForce, Request};
 pub use term::{ContactPair, PairTerm, Want, ZonePiece};
-pub(crate) use term::{EndTerm, PairForce, Request};
 
 mod guess;
 mod integral;
@@ -104,8 +104,7 @@ pub(crate) fn evaluate_within(
     chunks.into_iter().flatten().collect()
 }
 
-/// The terms of [`evaluate_within`] with respect to the segments' ends, chunk by chunk: they are large, and this moves
-/// them once.
+/// The terms of [`evaluate_within`] with respect to the segments' ends, chunk by chunk.
 pub(crate) fn evaluate_ends(
     geometry: &ContactGeometry,
     candidates: &[[u32; 2]],
@@ -113,8 +112,23 @@ pub(crate) fn evaluate_ends(
     request: Request,
 ) -> Vec<Vec<EndTerm>> {
     in_chunks(candidates, PairSearch::new(pressures, request.zones), |pair, search, out| {
-        geometry.each(pair, search, |found| out.push(geometry.end_term(found, request)));
+        geometry.each(pair, search, |found| out.push(geometry.end_term(found, request, None)));
     })
+}
+
+/// The terms of some candidates with their second derivatives, in `out`, one for each.
+pub(crate) fn evaluate_tangents(
+    geometry: &ContactGeometry,
+    candidates: &[[u32; 2]],
+    pressures: &Pressures,
+    out: &mut [CandidateTerms],
+) {
+    parallel::each_part(out, DEAR, &|first, part| {
+        let mut search = PairSearch::new(pressures, false);
+        for (k, terms) in part.iter_mut().enumerate() {
+            geometry.candidate_terms(candidates[first + k].map(|k| k as usize), &mut search, terms);
+        }
+    });
 }
 
 /// A search for the contacts of pairs, one after the other.
@@ -195,16 +209,34 @@ impl ContactGeometry<'_> {
         cubic
     }
 
-    fn end_term(&self, found: &PairIntegral, request: Request) -> EndTerm {
-        let origin = self.strands.ends(found.slave).0;
-        let coordinates = Coordinates::ends(&self.near(found.slave, &origin), &self.near(found.master, &origin));
-        let mut stiffness = request.tangent.then(|| PairStiffness::new(coordinates));
-        let term = found.sum(request, stiffness.as_mut());
-        EndTerm {
-            energy: term.energy,
-            gradient: coordinates.pull(&term.gradient),
-            tangent: stiffness.map(|s| s.finish(&term.gradient)),
-            pair: term.into(),
+    fn end_term(&self, found: &PairIntegral, request: Request, stiffness: Option<&mut PairStiffness>) -> EndTerm {
+        let coordinates = self.coordinates([found.slave, found.master]);
+        let term = found.sum(request, stiffness);
+        EndTerm { energy: term.energy, gradient: coordinates.pull(&term.gradient), pair: term.into() }
+    }
+
+    /// The ends of two segments.
+    fn coordinates(&self, [first, second]: [usize; 2]) -> Coordinates {
+        let origin = self.strands.ends(first).0;
+        Coordinates::ends(&self.near(first, &origin), &self.near(second, &origin))
+    }
+
+    /// The terms of a pair with their second derivative.
+    fn candidate_terms(&self, pair: [usize; 2], search: &mut PairSearch, out: &mut CandidateTerms) {
+        let CandidateTerms { terms, tangent } = out;
+        *terms = [None, None];
+        let (mut unused, mut stiffness) = (Some(tangent), None);
+        let request = Request { zones: false, tangent: true };
+        self.each(pair, search, |found| {
+            let swapped = found.slave != pair[0];
+            if let Some(tangent) = unused.take() {
+                stiffness = Some(PairStiffness::new(self.coordinates(pair), tangent));
+            }
+            stiffness.iter_mut().for_each(|stiffness| stiffness.swap(swapped));
+            terms[usize::from(swapped)] = Some(self.end_term(found, request, stiffness.as_mut()));
+        });
+        if let Some(stiffness) = stiffness {
+            stiffness.finish();
         }
     }
 

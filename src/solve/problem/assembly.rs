@@ -4,13 +4,16 @@
 mod contact;
 mod elements;
 mod loads;
+mod scatter;
 
 pub(in crate::solve) use elements::symmetric;
+pub(crate) use scatter::Places;
+pub(in crate::solve) use scatter::Sink;
 
 use crate::contact::potential::plane::PlaneContact;
-use crate::contact::potential::{ContactPair, Request};
+use crate::contact::potential::{CandidateTerms, ContactPair, Request};
 use crate::error::SolveError;
-use crate::rod::element::Strain;
+use crate::rod::element::{ElementOutput, ElementTangent, Strain};
 use crate::solve::measures::LAST_PLACES;
 use crate::solve::problem::engine::{Engine, give_to_masters};
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -88,60 +91,21 @@ pub(crate) struct Tangent {
     pub(crate) values: Vec<f64>,
     /// K_fp · drive per unknown (six per node).
     pub(crate) drive: Vec<f64>,
+    /// Places of the terms' blocks in the pattern; to be cleared with it.
+    pub(crate) places: Places,
+    scratch: Batches,
 }
 
-/// Second derivatives with respect to the six unknowns of each of up to four nodes; blocks above the diagonal, those on
-/// it in full.
-type Blocks = [[f64; 24]; 24];
-
-/// Where second derivatives are added up.
-pub(in crate::solve) struct Sink<'a> {
-    pattern: &'a Pattern,
-    tangent: &'a mut Tangent,
-    bases: Bases,
-    /// Prescribed increments, six per node, if supports move.
-    prescribed: Option<Vec<f64>>,
+/// Memory for batches of terms, kept from one linearisation to the next.
+#[derive(Default)]
+struct Batches {
+    elements: Vec<(ElementOutput, ElementTangent)>,
+    pairs: Vec<CandidateTerms>,
 }
 
-impl<'a> Sink<'a> {
-    fn new(
-        engine: &Engine,
-        bases: Bases,
-        drive: &PrescribedMotion,
-        pattern: &'a Pattern,
-        tangent: &'a mut Tangent,
-    ) -> Self {
-        if tangent.values.capacity() < pattern.num_entries() {
-            tangent.values = Vec::new();
-            tangent.values.reserve_exact(pattern.num_entries());
-        }
-        tangent.values.clear();
-        tangent.values.resize(pattern.num_entries(), 0.0);
-        tangent.drive.clear();
-        tangent.drive.resize(6 * engine.num_nodes(), 0.0);
-        Self { pattern, tangent, bases, prescribed: engine.prescribed(drive) }
-    }
-
-    fn add(&mut self, nodes: &[usize], blocks: &Blocks) {
-        for (a, &p) in nodes.iter().enumerate() {
-            for (c, &q) in nodes.iter().enumerate().skip(a) {
-                let entry = |i: usize, j: usize| blocks[6 * a + i][6 * c + j];
-                let at = (p, q);
-                self.bases.add_block(self.pattern, &mut self.tangent.values, at, entry);
-                if p == q && a != c {
-                    self.bases.add_block(self.pattern, &mut self.tangent.values, at, |i, j| entry(j, i));
-                }
-                let Some(all) = &self.prescribed else { continue };
-                for i in 0..6 {
-                    for j in 0..6 {
-                        self.tangent.drive[6 * p + i] += entry(i, j) * all[6 * q + j];
-                        if a != c {
-                            self.tangent.drive[6 * q + j] += entry(i, j) * all[6 * p + i];
-                        }
-                    }
-                }
-            }
-        }
+impl std::fmt::Debug for Batches {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Batches").finish_non_exhaustive()
     }
 }
 
@@ -184,8 +148,8 @@ impl Engine {
         (pattern, tangent): (&Pattern, &mut Tangent),
     ) -> Residual {
         let mut out = self.start_residual(state);
-        let mut sink = Sink::new(self, out.bases.clone(), drive, pattern, tangent);
         let out = self.install(|| {
+            let mut sink = Sink::new(self, out.bases.clone(), drive, pattern, tangent);
             self.add_elements(state, predicted, &mut out, &mut sink);
             self.add_contact(Request { zones: false, tangent: true }, &mut out, Some(&mut sink));
             self.add_electrostatics(&mut out, Some(&mut sink));
@@ -200,8 +164,8 @@ impl Engine {
     /// Nodes and their couplings with the present candidates.
     pub(crate) fn node_graph(&self) -> NodeGraph {
         let elements = self.elements.iter().flat_map(|element| {
-            let count = self.model.rods[element.rod].order + 1;
-            (0..count).flat_map(move |a| (a..count).map(move |c| (element.nodes[a], element.nodes[c])))
+            let nodes = self.nodes_of(element);
+            (0..nodes.len()).flat_map(move |a| (a..nodes.len()).map(move |c| (nodes[a], nodes[c])))
         });
         let contacts = self.contact.iter().flat_map(|side| {
             side.coupled().flat_map(|&[i, j]| {

@@ -205,6 +205,12 @@ impl ContactSide {
         self.tangents.cubic(state, self.nodes[segment], self.set.lengths[segment]).0
     }
 
+    /// Global nodes at the ends of two segments.
+    pub(crate) fn ends_of(&self, pair: [u32; 2]) -> [usize; 4] {
+        let [[a, b], [c, d]] = pair.map(|segment| self.nodes[segment as usize]);
+        [a, b, c, d]
+    }
+
     /// Global nodes: slave a, b, master a, b.
     pub(crate) fn nodes_of(&self, pair: &ContactPair) -> [usize; 4] {
         let (s, m) = (self.nodes[pair.slave], self.nodes[pair.master]);

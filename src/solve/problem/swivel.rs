@@ -142,9 +142,24 @@ impl Bases {
         (p, q): (usize, usize),
         block: impl Fn(usize, usize) -> f64,
     ) {
+        match self.resolved_block([p, q], &block) {
+            None => pattern.add_block(values, p, q, block),
+            Some(block) => pattern.add_block(values, p, q, |i, j| block[i][j]),
+        }
+    }
+
+    /// A block of two nodes, given in components about x, y and z, in the bases; `None` if neither has one of its own.
+    pub(crate) fn resolved_block(
+        &self,
+        [p, q]: [usize; 2],
+        block: impl Fn(usize, usize) -> f64,
+    ) -> Option<[[f64; 6]; 6]> {
+        if self.of_nodes.is_empty() {
+            return None;
+        }
         let (left, right) = (self.of(p), self.of(q));
         if left.is_none() && right.is_none() {
-            return pattern.add_block(values, p, q, block);
+            return None;
         }
         let column = |basis: Option<&Mat3>, k: usize| -> Vec<(usize, f64)> {
             match basis {
@@ -152,7 +167,7 @@ impl Bases {
                 _ => vec![(k, 1.0)],
             }
         };
-        pattern.add_block(values, p, q, |i, j| {
+        let entry = |i: usize, j: usize| {
             let (rows, columns) = (column(left, i), column(right, j));
             let mut sum = 0.0;
             for a in &rows {
@@ -161,7 +176,8 @@ impl Bases {
                 }
             }
             sum
-        });
+        };
+        Some(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
     }
 }
 

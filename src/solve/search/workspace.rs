@@ -2,7 +2,7 @@
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::problem::assembly::{Residual, Tangent};
+use crate::solve::problem::assembly::{Places, Residual, Tangent};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::add_moment_skew;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -63,6 +63,7 @@ impl Workspace {
         if self.pattern.is_none() || generation != self.generation {
             // freed first, because they are the largest allocations
             (self.factor, self.pattern) = (None, None);
+            self.tangent.places = Places::default();
             engine.check_memory()?;
             timed(&mut self.timings.symbolic, || {
                 let (pattern, factor) = Factor::of(engine.node_graph())?;
@@ -150,7 +151,7 @@ impl Workspace {
             }
         }
         self.factorised = shift;
-        let inertia = timed(&mut self.timings.factor, || factor.factorise(pattern, values));
+        let inertia = timed(&mut self.timings.factor, || engine.install(|| factor.factorise(pattern, values)));
         for (eq, value) in self.unshifted.iter().enumerate() {
             values[pattern.diagonal(eq)] = *value;
         }
@@ -208,7 +209,7 @@ impl Workspace {
                 rhs[eq] += x;
             }
         }
-        timed(&mut self.timings.solve, || factor.solve(&mut rhs));
+        timed(&mut self.timings.solve, || engine.install(|| factor.solve(&mut rhs)));
         self.expand(engine, pattern, &rhs)
     }
 

@@ -35,10 +35,15 @@ pub(super) type Projector<'a> = dyn Fn(f64, f64, &Branch) -> (Projection, f64) +
 
 impl PairIntegral<'_> {
     pub(super) fn pair_term(&self, want: Want) -> PairTerm {
-        let mut stiffness = (want == Want::Hessian).then(|| PairStiffness::new(Coordinates::Points));
-        let mut term = self.sum(Request { zones: true, tangent: false }, stiffness.as_mut());
-        term.hessian = stiffness.map(|stiffness| {
-            let sum = stiffness.finish(&term.gradient);
+        let request = Request { zones: true, tangent: false };
+        if want == Want::Gradient {
+            return self.sum(request, None);
+        }
+        let mut sum = [[0.0; 24]; 24];
+        let mut stiffness = PairStiffness::new(Coordinates::Points, &mut sum);
+        let mut term = self.sum(request, Some(&mut stiffness));
+        stiffness.finish();
+        term.hessian = Some({
             let block = |m: usize, n: usize| Mat3::from_fn(|i, j| if m <= n { sum[3 * m + i][3 * n + j] } else { 0.0 });
             Box::new(std::array::from_fn(|m| std::array::from_fn(|n| block(m, n))))
         });
@@ -98,15 +103,18 @@ impl PairIntegral<'_> {
                 });
             }
         }
+        if let Some(stiffness) = sums.stiffness {
+            stiffness.add_gradient(&sums.term.gradient);
+        }
         sums.term
     }
 }
 
 /// Energy and derivatives of a pair, summed over the points of its quadrature.
-struct PairSums<'a> {
+struct PairSums<'a, 'b> {
     term: PairTerm,
     /// Second derivatives, if wanted.
-    stiffness: Option<&'a mut PairStiffness>,
+    stiffness: Option<&'a mut PairStiffness<'b>>,
 }
 
 impl PairLaw<'_> {

@@ -77,10 +77,14 @@ fn points(end: usize) -> (usize, usize) {
     [(0, 1), (3, 2), (4, 5), (7, 6)][end]
 }
 
-/// Sum over the points of one ordered pair.
-pub(in crate::contact) struct PairStiffness {
+/// Sum over the points of a pair, with either segment as the slave.
+pub(in crate::contact) struct PairStiffness<'a> {
     coordinates: Coordinates,
-    sum: Box<PairTangent>,
+    /// Whether forces and weights are given with the second segment of the coordinates as the slave.
+    swapped: bool,
+    sum: &'a mut PairTangent,
+    /// Gradient with respect to the control points.
+    forces: [Vec3; 8],
     /// Σ W p/d w_m w_n for m ≤ n.
     spread: [[f64; 8]; 8],
     pending: [[f64; 24]; PENDING],
@@ -88,11 +92,15 @@ pub(in crate::contact) struct PairStiffness {
     count: usize,
 }
 
-impl PairStiffness {
-    pub(in crate::contact) fn new(coordinates: Coordinates) -> Self {
+impl<'a> PairStiffness<'a> {
+    /// Starts a sum, which overwrites `sum`.
+    pub(in crate::contact) fn new(coordinates: Coordinates, sum: &'a mut PairTangent) -> Self {
+        sum.iter_mut().enumerate().for_each(|(row, entries)| entries[row / 6 * 6..].fill(0.0));
         Self {
             coordinates,
-            sum: Box::new([[0.0; 24]; 24]),
+            swapped: false,
+            sum,
+            forces: [Vec3::zeros(); 8],
             spread: [[0.0; 8]; 8],
             pending: [[0.0; 24]; PENDING],
             factors: [0.0; PENDING],
@@ -100,19 +108,36 @@ impl PairStiffness {
         }
     }
 
+    /// From now on the slave is the second segment of the coordinates, or the first.
+    pub(in crate::contact) fn swap(&mut self, swapped: bool) {
+        self.swapped = swapped;
+    }
+
+    /// Eight things by control points (slave's four first), in the order of the coordinates.
+    #[inline]
+    fn ordered<T: Copy>(&self, of_points: &[T; 8]) -> [T; 8] {
+        if self.swapped { std::array::from_fn(|m| of_points[(m + 4) % 8]) } else { *of_points }
+    }
+
+    /// Adds to the gradient with respect to the control points; handles that turn with the ends add its second-order part.
+    pub(in crate::contact) fn add_gradient(&mut self, gradient: &[Vec3; 8]) {
+        let gradient = self.ordered(gradient);
+        self.forces.iter_mut().zip(&gradient).for_each(|(sum, force)| *sum += force);
+    }
+
     /// Adds factor × f fᵀ, f the forces on the control points.
     pub(in crate::contact) fn add_product(&mut self, forces: &[Vec3; 8], factor: f64) {
         if self.count == PENDING {
             self.flush();
         }
-        self.pending[self.count] = self.coordinates.pull(forces);
+        self.pending[self.count] = self.coordinates.pull(&self.ordered(forces));
         self.factors[self.count] = factor;
         self.count += 1;
     }
 
     /// Subtracts factor × the product of Σ w_m δx_m with itself.
     pub(in crate::contact) fn subtract_spread(&mut self, w: &[f64; 8], factor: f64) {
-        let w = self.coordinates.weights(w);
+        let w = self.coordinates.weights(&self.ordered(w));
         for m in 0..8 {
             let scaled = factor * w[m];
             for n in 0..8 {
@@ -121,7 +146,8 @@ impl PairStiffness {
         }
     }
 
-    /// Adds a second derivative with respect to the control points: blocks m ≤ n, each symmetric.
+    /// Adds a second derivative with respect to the control points, in the order of the coordinates: blocks m ≤ n, each
+    /// symmetric.
     pub(in crate::contact) fn add_hessian(&mut self, hessian: &Hessian) {
         let block = |m: usize, n: usize| if m <= n { hessian[m][n] } else { hessian[n][m] };
         let mut add = |row: usize, col: usize, part: &Mat3| {
@@ -173,9 +199,8 @@ impl PairStiffness {
         }
     }
 
-    /// The sum. `gradient` is that of the potential with respect to the control points; rotating handles add its
-    /// second-order part.
-    pub(in crate::contact) fn finish(mut self, gradient: &[Vec3; 8]) -> Box<PairTangent> {
+    /// Completes the sum.
+    pub(in crate::contact) fn finish(mut self) {
         self.flush();
         match self.coordinates {
             Coordinates::Points => {
@@ -188,11 +213,11 @@ impl PairStiffness {
                     self.subtract_ends(p, q, &handles[p], &handles[q]);
                 }
                 for (end, handle) in handles.iter().enumerate() {
-                    self.add_turning(end, handle, &gradient[points(end).1]);
+                    let force = self.forces[points(end).1];
+                    self.add_turning(end, handle, &force);
                 }
             }
         }
-        self.sum
     }
 
     /// The block of two ends: (δr_p A + θ_p × h_p B)·(δr_q C + θ_q × h_q D).

@@ -129,8 +129,25 @@ pub(crate) struct EndTerm {
     /// Energy \[F·L\].
     pub(crate) energy: f64,
     pub(crate) gradient: [f64; 24],
-    /// Second derivative; `None` unless requested.
-    pub(crate) tangent: Option<Box<PairTangent>>,
+}
+
+/// The terms of one candidate pair, with the first segment as the slave and with the second, as far as they are in
+/// contact.
+pub(crate) struct CandidateTerms {
+    pub(crate) terms: [Option<EndTerm>; 2],
+    /// Second derivative of their sum with respect to the first segment's ends, then the second's; not filled if there
+    /// are no terms.
+    pub(crate) tangent: PairTangent,
+}
+
+impl CandidateTerms {
+    /// Of a pair that is not in contact.
+    pub(crate) const NONE: Self = Self { terms: [None, None], tangent: [[0.0; 24]; 24] };
+
+    /// The second derivative if the pair is in contact.
+    pub(crate) fn second_derivative(&self) -> Option<&PairTangent> {
+        self.terms.iter().any(Option::is_some).then_some(&self.tangent)
+    }
 }
 
 /// Quantities to be computed in addition to energy and gradient.

@@ -1,7 +1,8 @@
 //! Contact at a state, and its contributions.
 
+use super::scatter::{TermBatch, TermKind, batch_size};
 use super::{Residual, Sink};
-use crate::contact::potential::{self, Request, plane};
+use crate::contact::potential::{self, CandidateTerms, ContactGeometry, EndTerm, Offsets, Pressures, Request, plane};
 use crate::error::{InputError, SolveError};
 use crate::math::parallel::{self, in_pool};
 use crate::solve::measures::AT_ONCE;
@@ -34,27 +35,56 @@ impl Engine {
         if side.broad_phase.pairs().is_empty() {
             return;
         }
-        let geometry = potential::ContactGeometry::of_set(&side.set);
+        let geometry = ContactGeometry::of_set(&side.set);
         let largest_offset = side.largest_offset();
-        // second derivatives live for one part of the candidates only: five kilobytes a term
+        let offset = |slave, master| side.offset(slave, master);
+        let earlier = side.before.as_ref().filter(|_| sink.is_some());
+        let offset_before =
+            |slave, master| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends(offsets, slave, master));
+        let before = earlier.map(|(law, _)| (*law, &offset_before as &Offsets));
+        let pressures = Pressures { law: side.law, offset: &offset, before, largest_offset };
+        if let Some(sink) = sink {
+            return add_pairs(side, &geometry, &pressures, out, sink);
+        }
         for pairs in side.broad_phase.pairs().chunks(AT_ONCE) {
-            let offset = |slave, master| side.offset(slave, master);
-            let earlier = side.before.as_ref().filter(|_| sink.is_some());
-            let offset_before =
-                |slave, master| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends(offsets, slave, master));
-            let before = earlier.map(|(law, _)| (*law, &offset_before as &potential::Offsets));
-            let pressures = potential::Pressures { law: side.law, offset: &offset, before, largest_offset };
-            for found in potential::evaluate_ends(&geometry, pairs, &pressures, request).into_iter().flatten() {
-                let nodes = side.nodes_of(&found.pair);
-                out.potential.contact += found.energy;
-                add_to_contact(out, &nodes, &found.gradient);
-                if let (Some(sink), Some(blocks)) = (&mut sink, found.tangent) {
-                    sink.add(&nodes, &blocks);
-                }
-                out.contact_pairs.push(found.pair);
-            }
+            let found = potential::evaluate_ends(&geometry, pairs, &pressures, request);
+            found.into_iter().flatten().for_each(|term| add_term(side, term, out));
         }
     }
+}
+
+/// Adds the terms of all candidates with their second derivatives. These live for one batch of the candidates only,
+/// five kilobytes a pair.
+fn add_pairs(
+    side: &ContactSide,
+    geometry: &ContactGeometry,
+    pressures: &Pressures,
+    out: &mut Residual,
+    sink: &mut Sink,
+) {
+    let all = side.broad_phase.pairs();
+    let mut batch = std::mem::take(&mut sink.scratch.pairs);
+    let at_once = batch_size();
+    batch.resize_with(at_once.min(all.len()), || CandidateTerms::NONE);
+    for (index, pairs) in all.chunks(at_once).enumerate() {
+        let found = &mut batch[..pairs.len()];
+        potential::evaluate_tangents(geometry, pairs, pressures, found);
+        let nodes = |k: usize| (side.ends_of(pairs[k]), 4);
+        let blocks = |k: usize| found[k].second_derivative();
+        let first = index * at_once;
+        sink.add_batch(&TermBatch { kind: TermKind::Pair, first, count: pairs.len(), nodes: &nodes, blocks: &blocks });
+        for term in found.iter_mut().flat_map(|pair| &mut pair.terms).filter_map(Option::take) {
+            add_term(side, term, out);
+        }
+    }
+    sink.scratch.pairs = batch;
+}
+
+/// Adds the forces of a pair in contact, which is kept.
+fn add_term(side: &ContactSide, term: EndTerm, out: &mut Residual) {
+    out.potential.contact += term.energy;
+    add_to_contact(out, &side.nodes_of(&term.pair), &term.gradient);
+    out.contact_pairs.push(term.pair);
 }
 
 /// Adds forces of contact on some nodes, six numbers each, to the gradient.
@@ -78,8 +108,8 @@ impl Engine {
         let earlier = side.before.as_ref().filter(|_| sink.is_some());
         let offset_before =
             |segment, plane| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends_for_plane(offsets, segment, plane));
-        let before = earlier.map(|(law, _)| (*law, &offset_before as &potential::Offsets));
-        let pressures = potential::Pressures { before, ..potential::Pressures::of(side.law, &offset) };
+        let before = earlier.map(|(law, _)| (*law, &offset_before as &Offsets));
+        let pressures = Pressures { before, ..Pressures::of(side.law, &offset) };
         for found in plane::evaluate(&side.set, &side.planes, &pressures, request) {
             let nodes = side.nodes[found.contact.segment];
             out.potential.contact += found.energy;
@@ -99,8 +129,7 @@ impl Engine {
         let Some(repulsion) = &side.repulsion else { return };
         for pairs in repulsion.pairs().chunks(AT_ONCE) {
             for term in repulsion.terms(&side.set, pairs, sink.is_some()).into_iter().flatten() {
-                let [[a, b], [c, d]] = term.segments.map(|segment| side.nodes[segment]);
-                let nodes = [a, b, c, d];
+                let nodes = side.ends_of(term.segments.map(|segment| segment as u32));
                 out.potential.electrostatic += term.energy;
                 for (node, force) in nodes.iter().zip(term.gradient.chunks_exact(6)) {
                     for k in 0..6 {

@@ -1,5 +1,6 @@
 //! Contributions of elements, and their strains and stresses.
 
+use super::scatter::{TermBatch, TermKind, batch_size};
 use super::{Residual, Sink};
 use crate::math::{Quat, Vec3, parallel};
 use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Strain, Stress, evaluate};
@@ -28,20 +29,39 @@ impl Engine {
         out: &mut Residual,
         sink: &mut Sink,
     ) {
-        let mut results = vec![(ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]); AT_ONCE.min(self.elements.len())];
-        for first in (0..self.elements.len()).step_by(AT_ONCE) {
-            let count = AT_ONCE.min(self.elements.len() - first);
+        let mut results = std::mem::take(&mut sink.scratch.elements);
+        let blank = (ElementOutput::default(), [[0.0; MAX_DOF]; MAX_DOF]);
+        let at_once = batch_size();
+        results.resize(at_once.min(self.elements.len()), blank);
+        for first in (0..self.elements.len()).step_by(at_once) {
+            let count = at_once.min(self.elements.len() - first);
             parallel::each(&mut results[..count], parallel::DEAR, &|k, (result, blocks)| {
                 *blocks = [[0.0; MAX_DOF]; MAX_DOF];
                 let e = first + k;
                 *result = self.element_output(e, state, predicted.map(|p| &p[e]), Some(blocks));
             });
-            for (k, (result, blocks)) in results[..count].iter().enumerate() {
-                let element = &self.elements[first + k];
+            let results = &results[..count];
+            for (k, (result, _)) in results.iter().enumerate() {
                 self.add_element_gradient(first + k, result, state, out);
-                sink.add(&element.nodes[..=self.model.rods[element.rod].order], blocks);
             }
+            let nodes = |k: usize| {
+                let element = &self.elements[first + k];
+                (element.nodes, self.nodes_of(element).len())
+            };
+            sink.add_batch(&TermBatch {
+                kind: TermKind::Element,
+                first,
+                count,
+                nodes: &nodes,
+                blocks: &|k| Some(&results[k].1),
+            });
         }
+        sink.scratch.elements = results;
+    }
+
+    /// Nodes of an element among all.
+    pub(in crate::solve) fn nodes_of<'a>(&self, element: &'a Element) -> &'a [usize] {
+        &element.nodes[..=self.model.rods[element.rod].order]
     }
 
     pub(in crate::solve) fn element_output(

@@ -65,10 +65,10 @@ impl Engine {
                     out.magnitude[6 * p] += (factor * y).abs();
                     out.gradient[6 * q + 1] += factor * x;
                     out.magnitude[6 * q + 1] += (factor * x).abs();
-                    if let Some(Sink { pattern, tangent, .. }) = &mut sink {
+                    if let Some(Sink { pattern, values, .. }) = &mut sink {
                         // a diagonal block is symmetric: ∂²/∂x∂y is added once
                         let entry = |i, j| if i == 0 && j == 1 { factor } else { 0.0 };
-                        pattern.add_block(&mut tangent.values, p, q, entry);
+                        pattern.add_block(values, p, q, entry);
                     }
                 }
             }

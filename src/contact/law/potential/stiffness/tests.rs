@@ -33,40 +33,49 @@ fn terms_of_ends_are_those_of_the_control_points_that_they_move() {
     let (law, offset) = (Law::Linear { stiffness: 1e3 }, |_: usize, _: usize| [0.01, -0.01]);
     let (geometry, pressures) = (ContactGeometry::of_set(&set), Pressures::of(law, &offset));
     let points = evaluate_within(&geometry, &[[0, 1]], &pressures, Want::Hessian);
-    let ends = evaluate_ends(&geometry, &[[0, 1]], &pressures, Request { tangent: true, zones: false });
-    let ends: Vec<_> = ends.into_iter().flatten().collect();
+    let mut pair = [CandidateTerms::NONE];
+    evaluate_tangents(&geometry, &[[0, 1]], &pressures, &mut pair);
+    let tangent = pair[0].second_derivative().unwrap();
+    let ends: Vec<&EndTerm> = pair[0].terms.iter().flatten().collect();
     assert_eq!((points.len(), ends.len()), (2, 2));
-    for (by_points, by_ends) in points.iter().zip(&ends) {
-        assert!(by_points.energy > 0.1 && (by_points.energy - by_ends.energy).abs() < 1e-14);
-        let cubics = [by_points.slave, by_points.master].map(|k| set.segments[k]);
-        let start = moved(&cubics, &[0.0; 24]);
-        let hessian = by_points.hessian.as_deref().unwrap();
+    let cubics = [0, 1].map(|k| set.segments[k]);
+    let start = moved(&cubics, &[0.0; 24]);
+    // the first segment's control points, then the second's, whichever is the slave
+    let at = |term: &PairTerm, m: usize| (m + 4 * term.slave) % 8;
+    let potential_of = |term: &PairTerm, step: &[f64; 24]| {
+        let hessian = term.hessian.as_deref().unwrap();
         let full = |m: usize, n: usize| if m <= n { hessian[m][n] } else { hessian[n][m].transpose() };
-        let potential = |step: &[f64; 24]| {
-            let x = moved(&cubics, step);
-            let way: [Vec3; 8] = std::array::from_fn(|m| x[m] - start[m]);
-            let slope = |m: usize| by_points.gradient[m] + (0..8).map(|n| full(m, n) * way[n]).sum::<Vec3>() * 0.5;
-            (0..8).map(|m| slope(m).dot(&way[m])).sum::<f64>()
-        };
-        let along = |i: usize, a: f64, j: usize, b: f64| {
-            let mut step = [0.0; 24];
-            step[i] += a;
-            step[j] += b;
-            potential(&step)
-        };
-        let tangent = by_ends.tangent.as_deref().unwrap();
-        let scale = tangent.iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()));
+        let x = moved(&cubics, step);
+        let way: [Vec3; 8] = std::array::from_fn(|m| x[at(term, m)] - start[at(term, m)]);
+        let slope = |m: usize| term.gradient[m] + (0..8).map(|n| full(m, n) * way[n]).sum::<Vec3>() * 0.5;
+        (0..8).map(|m| slope(m).dot(&way[m])).sum::<f64>()
+    };
+    let scale = tangent.iter().flatten().fold(0.0f64, |a, b| a.max(b.abs()));
+    let two = |i: usize, a: f64, j: usize, b: f64| {
+        let mut step = [0.0; 24];
+        step[i] += a;
+        step[j] += b;
+        step
+    };
+    for (by_points, by_ends) in points.iter().zip(&ends) {
+        assert_eq!((by_points.slave, by_points.master), (by_ends.pair.slave, by_ends.pair.master));
+        assert!(by_points.energy > 0.1 && (by_points.energy - by_ends.energy).abs() < 1e-14);
         for i in 0..24 {
             let h = 1e-5;
-            let slope = (along(i, h, i, 0.0) - along(i, -h, i, 0.0)) / (2.0 * h);
-            assert!((slope - by_ends.gradient[i]).abs() < 1e-7 * scale, "{i}: {slope} {}", by_ends.gradient[i]);
-            for j in i / 6 * 6..24 {
-                let second = |h: f64| {
-                    (along(i, h, j, h) - along(i, h, j, -h) - along(i, -h, j, h) + along(i, -h, j, -h)) / (4.0 * h * h)
-                };
-                let difference = (4.0 * second(1e-3) - second(2e-3)) / 3.0;
-                assert!((difference - tangent[i][j]).abs() < 1e-7 * scale, "({i},{j}): {difference} {}", tangent[i][j]);
-            }
+            let [rise, fall] = [h, -h].map(|h| potential_of(by_points, &two(i, h, i, 0.0)));
+            let (slope, ours) = ((rise - fall) / (2.0 * h), by_ends.gradient[(i + 12 * by_points.slave) % 24]);
+            assert!((slope - ours).abs() < 1e-7 * scale, "{i}: {slope} {ours}");
+        }
+    }
+    let potential = |step: &[f64; 24]| points.iter().map(|term| potential_of(term, step)).sum::<f64>();
+    let along = |i: usize, a: f64, j: usize, b: f64| potential(&two(i, a, j, b));
+    for i in 0..24 {
+        for j in i / 6 * 6..24 {
+            let second = |h: f64| {
+                (along(i, h, j, h) - along(i, h, j, -h) - along(i, -h, j, h) + along(i, -h, j, -h)) / (4.0 * h * h)
+            };
+            let difference = (4.0 * second(1e-3) - second(2e-3)) / 3.0;
+            assert!((difference - tangent[i][j]).abs() < 1e-7 * scale, "({i},{j}): {difference} {}", tangent[i][j]);
         }
     }
 }
