@@ -411,6 +411,11 @@ impl ZeroEnergyModes {
         zero_energy
     }
 
+    /// All motions, six numbers for each node of the model, sliding the last.
+    pub(crate) fn all(&self, engine: &Engine) -> Vec<Vec<f64>> {
+        self.motions.iter().cloned().chain(self.several.all(6 * engine.num_nodes())).collect()
+    }
+
     /// Takes the neutral part out of an increment.
     pub(crate) fn remove(&self, step: &mut [f64]) {
         for motion in &self.motions {
