@@ -92,7 +92,7 @@
 //! * `sparse` (private): sparse LDLᵀ with inertia
 //! * [`scene`]: a problem as plain data; scene files
 //! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
-//! * [`tangent`]: softest modes of an equilibrium
+//! * [`tangent`]: softest modes of an equilibrium, harmonic free energy, sensitivities
 //! * [`certificate`]: what holds of a state, checked without the solver
 //! * [`observe`]: numbers of a state
 //! * [`io`]: VTK, CSV, pictures, interactive pages, glTF, the record of a run, sweeps

@@ -15,7 +15,7 @@ use crate::solve::{
     self, Engine, Failure, FollowOptions, Interrupt, NewtonOptions, NodalFields, Options, PathEnd, PathPoint,
     PointKind, Progress, Restart, RunError, Solver, Start, Status, Waypoint,
 };
-use crate::tangent::{Modes, Tangent};
+use crate::tangent::{Contacts, Modes, Tangent};
 
 use super::checkpoint::{Checkpoint, FILE_NAME};
 use super::fingerprint::Fingerprint;
@@ -398,7 +398,7 @@ impl Keeper {
 
 /// The softest modes of a solver's state.
 fn softest(solver: &mut Solver, count: usize) -> Result<Modes, RunError> {
-    Ok(Tangent::at(solver)?.modes(count)?)
+    Ok(Tangent::at(solver, Contacts::ByLaw)?.modes(count)?)
 }
 
 /// Note on the kind of a point of a path, if it is special.

@@ -113,7 +113,7 @@ impl Tangent<'_> {
     }
 
     fn softest(&mut self, count: usize, densities: &[f64]) -> Result<Modes, SolveError> {
-        let (engine, num_unstable) = (self.engine, self.num_unstable());
+        let (engine, num_unstable): (&Engine, _) = (&*self.engine, self.num_unstable());
         let masses = Masses::of(engine, densities);
         let held = held_motions(engine, &masses, &self.linearised.zero_energy);
         let mut pencil = Shapes { engine, linearised: &mut self.linearised, masses, held };

@@ -25,6 +25,7 @@ mod dna_rings;
 mod elastic_knots;
 mod elastica_branches;
 mod electrostatics;
+mod free_energies;
 mod greenhill;
 mod hanging;
 mod helical_spring;

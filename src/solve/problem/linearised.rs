@@ -4,9 +4,12 @@
 //! them stretches no spring, so that the response to it is one of the exact ones.
 
 use crate::error::SolveError;
+use crate::math::Vec3;
+use crate::rod::{Rod, RodNumber};
 use crate::solve::problem::assembly::{Residual, Tangent};
-use crate::solve::problem::engine::Engine;
+use crate::solve::problem::engine::{Engine, give_to_masters};
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
 use crate::solve::problem::zero_energy::ZeroEnergyModes;
 use crate::sparse::{Factor, Pattern};
@@ -136,6 +139,15 @@ impl Linearised {
         self.pattern.num_equations()
     }
 
+    /// The forces of the tangent against a motion of one node, displacement \[L\] and rotation vector \[rad\], supported
+    /// unknowns included on both sides. Contact is that of the law.
+    pub(crate) fn driven(&self, engine: &Engine, motion: (usize, Vec3, Vec3)) -> Vec<f64> {
+        let (drive, mut tangent) = (PrescribedMotion { nodes: vec![motion], seams: Vec::new() }, Tangent::default());
+        let stress = engine.actual_stress(&engine.state);
+        engine.linearise(&engine.state, Some(&stress), &drive, (&self.pattern, &mut tangent));
+        tangent.drive
+    }
+
     fn product(&self, values: &[f64], motion: &[f64]) -> Vec<f64> {
         let mut reduced = vec![0.0; self.pattern.num_equations()];
         for (i, x) in self.bases.resolved(motion).iter().enumerate() {
@@ -163,6 +175,43 @@ impl Linearised {
         let mut all: Vec<f64> = (0..len).map(|i| number(i / 6, i % 6).unwrap_or(0.0)).collect();
         self.bases.compose(&mut all);
         all
+    }
+}
+
+impl Engine {
+    /// The residual of elements and loads in a state with its numbers, those of joined nodes at their masters.
+    pub(crate) fn residual_without_contact(&mut self, state: &State) -> Residual {
+        self.joined(state, true)
+    }
+
+    /// The residual of elements alone in a state with its numbers.
+    pub(crate) fn elastic_residual(&mut self, state: &State) -> Residual {
+        self.joined(state, false)
+    }
+
+    fn joined(&mut self, state: &State, loads: bool) -> Residual {
+        let mut out = self.residual_of_numbers(state, loads);
+        give_to_masters(&mut out.gradient, &self.master);
+        out
+    }
+
+    /// ∂ln κ/∂n of the contact stiffness κ, which is made of the rods' numbers, all of these changed by as much.
+    pub(crate) fn slope_of_contact_stiffness(&mut self, rod: usize, which: &[RodNumber]) -> f64 {
+        let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
+        if which.contains(&RodNumber::ContactRadius) {
+            // of several that are as thin, the others stay when one grows
+            let thinnest = |rod: &&Rod| rod.section.contact_radius == radius;
+            let alone = self.model.rods.iter().filter(thinnest).count() == 1;
+            return if alone && thinnest(&&self.model.rods[rod]) { -4.0 / radius } else { 0.0 };
+        }
+        let here = which.iter().map(|&number| self.model.rods[rod].number(number).abs()).fold(0.0, f64::max);
+        let stiffness = |engine: &mut Self, by: f64| {
+            let changed = which.iter().map(|&number| ((rod, number), engine.model.rods[rod].number(number) + by));
+            let numbers = changed.collect();
+            engine.with_numbers(&numbers, Self::contact_stiffness)
+        };
+        let step = 1e-3 * here;
+        if step == 0.0 { 0.0 } else { (stiffness(self, step).ln() - stiffness(self, -step).ln()) / (2.0 * step) }
     }
 }
 

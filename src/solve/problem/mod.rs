@@ -41,4 +41,4 @@ pub(in crate::solve) mod problem_size;
 pub(in crate::solve) mod state;
 pub(crate) mod swivel;
 mod twist_limit;
-pub(in crate::solve) mod zero_energy;
+pub(crate) mod zero_energy;
