@@ -1,11 +1,11 @@
 //! Contact in the tangent: as the law in force has it, locked, or free.
 //!
-//! The law's tangent is κ ∂g ∂gᵀ at each point of a zone, and the pressure's geometric part. What κ means depends on the kind of contact
-//! (told apart as in reports):
+//! The law's tangent is κ ∂g ∂gᵀ at each point of a zone, and the pressure's geometric part. What κ means depends on
+//! the kind of contact (told apart as in reports):
 //!
-//! * A *point* has one force, where the strands are nearest. The law spreads it over a zone, whose ends follow the strands
-//!   as they tilt; that part of the law's stiffness is geometric, F/d″, and does not depend on κ. The law's own part is
-//!   b bᵀ/m, b = ∫κ ∂g ds and m = ∫κ ds: that of the mean gap.
+//! * A *point* has one force, where the strands are nearest. The law spreads it over a zone, whose ends follow the
+//!   strands as they tilt; that part of the law's stiffness is geometric, F/d″, and does not depend on κ. The law's
+//!   own part is b bᵀ/m, b = ∫κ ∂g ds and m = ∫κ ds: that of the mean gap.
 //! * Along a *line* each point has a pressure of its own. The law's part is all of ∫κ ∂g ∂gᵀ ds.
 //!
 //! *Free* takes the law's part out, *locked* makes it [`HARDER`] times as stiff.
@@ -22,8 +22,8 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::linearised::NodeVector;
 
-/// How much stiffer than the law locked contact is, because the law leaves about 1e-3 of a motion that closes a gap, this 1e-7, and the
-/// matrix is then as stiff as that of stretch is anyway.
+/// How much stiffer than the law locked contact is, because the law leaves about 1e-3 of a motion that closes a gap,
+/// this 1e-7, and the matrix is then as stiff as that of stretch is anyway.
 const HARDER: f64 = 1e4;
 
 /// How gaps that carry force respond.
@@ -151,8 +151,8 @@ pub(super) struct GapRate {
 }
 
 impl GapRate {
-    /// By how much a unit of a parameter that changes gaps closes it, unknowns fixed: a radius of a rod, the height of a
-    /// plane.
+    /// By how much a unit of a parameter that changes gaps closes it, unknowns fixed: a radius of a rod, the height
+    /// of a plane.
     pub(super) fn closing(&self, thicker: Option<usize>, raised: Option<usize>) -> f64 {
         let strands = self.rods.iter().filter(|rod| rod.is_some() && **rod == thicker).count();
         strands as f64 + f64::from(u8::from(raised.is_some() && self.plane == raised))

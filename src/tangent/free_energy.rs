@@ -5,17 +5,19 @@
 //! ```
 //!
 //! Zero-energy modes are taken out of the integral, and their volumes put in by name. With T their generators (unit
-//! displacements, rotations and spins by a radian, sliding by a unit of length), z of N unknowns, and S the springs that hold them,
+//! displacements, rotations and spins by a radian, sliding by a unit of length), z of N unknowns, and S the springs
+//! that hold them,
 //!
 //! ```text
 //! ∫ = V √(det TᵀST / det(K + S)) (2πkT)^((N − z)/2)
 //! ```
 //!
-//! V is 8π² of rotations (2π in the plane), 2π of spin, the length of sliding, 1 of displacements. It does not matter where the springs
-//! are. Mesh and measure are in F: only differences between states of the same rods on the same mesh mean anything.
+//! V is 8π² of rotations (2π in the plane), 2π of spin, the length of sliding, 1 of displacements. It does not matter
+//! where the springs are. Mesh and measure are in F: only differences between states of the same rods on the same
+//! mesh mean anything.
 //!
-//! Contact is one-sided, and F has two bounds: contacts free (their stiffness out), and locked. A locked point of contact with the force f
-//! keeps its gap within kT/f, which is the width that it has in the integral.
+//! Contact is one-sided, and F has two bounds: contacts free (their stiffness out), and locked. A locked point of
+//! contact with the force f keeps its gap within kT/f, which is the width that it has in the integral.
 
 use std::f64::consts::{PI, TAU};
 
@@ -62,7 +64,8 @@ pub struct ZeroMode {
 }
 
 impl Harmonic {
-    /// F at a thermal energy kT \[F·L\], up to a number that is the same for all states of the same rods on the same mesh.
+    /// F at a thermal energy kT \[F·L\], up to a number that is the same for all states of the same rods on the same
+    /// mesh.
     ///
     /// # Errors
     /// An unstable state; lines of contact that are locked.
@@ -90,7 +93,7 @@ impl Harmonic {
     /// As [`Harmonic::free_energy`]; states of other numbers of unknowns; other zero-energy modes without a name.
     pub fn relative_to(&self, other: &Self, thermal_energy: f64) -> Result<f64, InputError> {
         if self.num_unknowns != other.num_unknowns || self.num_unnamed != other.num_unnamed {
-            let reason = "has other unknowns, or other zero-energy modes without a name: free energies of two states are compared \
+            let reason = "has other unknowns, or other zero-energy modes without a name: free energies are compared \
                           on the same mesh under the same supports";
             return Err(InputError::inconsistent("state", reason));
         }
@@ -127,8 +130,8 @@ impl Tangent<'_> {
         }
     }
 
-    /// Covariances ⟨δa δb⟩ of observables at a thermal energy kT \[F·L\], to leading order in it: the square roots of the
-    /// diagonal are standard deviations.
+    /// Covariances ⟨δa δb⟩ of observables at a thermal energy kT \[F·L\], to leading order in it: the square roots of
+    /// the diagonal are standard deviations.
     ///
     /// # Errors
     /// Observables that the model does not have; an unstable state.
@@ -155,8 +158,8 @@ fn log_determinant(matrix: DMatrix<f64>) -> f64 {
     matrix.lu().u().diagonal().iter().map(|pivot| pivot.abs().ln()).sum()
 }
 
-/// Generators of the zero-energy modes, if these have names. Of a flat ring without twist or with an even one, sliding is rotation
-/// and spin.
+/// Generators of the zero-energy modes, if these have names. Of a flat ring without twist or with an even one,
+/// sliding is rotation and spin.
 fn named(engine: &Engine, count: usize) -> Option<Vec<(Generator, Vec<f64>)>> {
     let mut all = crate::solve::problem::zero_energy::generators(engine, engine.state());
     if all.len() == count + 1 {

@@ -10,11 +10,11 @@ use super::not_found;
 use crate::error::SolveError;
 use crate::solve::problem::linearised::dot;
 
-/// Width of a block, because a straight or a round rod has its modes in pairs, and bending and twist modes of a ring come
-/// as four.
+/// Width of a block, because a straight or a round rod has its modes in pairs, and bending and twist modes of a ring
+/// come as four.
 const WIDTH: usize = 4;
-/// Residual of a vector, over its eigenvalue of the inverse, at which it is found, because the error of the eigenvalue is
-/// the square of that and 1e-7 in a shape is not seen.
+/// Residual of a vector, over its eigenvalue of the inverse, at which it is found, because the error of the
+/// eigenvalue is the square of that and 1e-7 in a shape is not seen.
 const TOL: f64 = 1e-7;
 /// Part of a vector that is left by those before it, below which it depends on them.
 const DEPENDENT: f64 = 1e-10;
@@ -140,7 +140,8 @@ impl<P: Pencil> Krylov<'_, P> {
         DMatrix::from_fn(m, m, entry).symmetric_eigen()
     }
 
-    /// Largest residual of the wanted pairs, each over its eigenvalue; `remainders` are those of the basis from `first` on.
+    /// Largest residual of the wanted pairs, each over its eigenvalue; `remainders` are those of the basis from
+    /// `first` on.
     fn residuals(
         &self,
         ritz: &SymmetricEigen<f64, nalgebra::Dyn>,

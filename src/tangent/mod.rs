@@ -10,8 +10,8 @@
 //! | `sensitivity` | [`Tangent::gradient`]: their derivatives with respect to what is prescribed, [`Parameter`] |
 //! | `krylov` | the softest eigenvalues of a pencil: block Lanczos on the inverse |
 //!
-//! Zero-energy modes (rigid motions of free bodies, spin of round rods, sliding of uniform rings) are no modes here: all
-//! that is computed is orthogonal to them.
+//! Zero-energy modes (rigid motions of free bodies, spin of round rods, sliding of uniform rings) are no modes here:
+//! all that is computed is orthogonal to them.
 
 mod contact;
 mod free_energy;
@@ -48,9 +48,9 @@ impl<'a> Tangent<'a> {
     /// The tangent at the present state of a solver, which is to be an equilibrium (nothing is searched for).
     ///
     /// # Errors
-    /// `InputError::Inconsistent` where dead moments act in space, because they have no potential and the tangent is not
-    /// symmetric; contact geometry that breaks down; a factorisation that does not fit into memory or has a pivot that
-    /// vanishes.
+    /// `InputError::Inconsistent` where dead moments act in space, because they have no potential and the tangent is
+    /// not symmetric; contact geometry that breaks down; a factorisation that does not fit into memory or has a pivot
+    /// that vanishes.
     pub fn at(solver: &'a mut Solver, choice: Contacts) -> Result<Self, RunError> {
         if !solver.engine.is_conservative() {
             let reason = "has moments of fixed direction, which have no potential: its tangent is not symmetric";

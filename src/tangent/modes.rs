@@ -9,12 +9,12 @@ use crate::rod::element::Strain;
 use crate::solve::problem::linearised::{Linearised, dot};
 use crate::solve::{Engine, RunError, State};
 
-/// Step of the strains' central difference along a mode, over the shape's largest rotation (rad) and displacement (over a
-/// node spacing), because strains are quadratic in it and 1e-4 leaves eight digits.
+/// Step of the strains' central difference along a mode, over the shape's largest rotation (rad) and displacement
+/// (over a node spacing), because strains are quadratic in it and 1e-4 leaves eight digits.
 const STEP: f64 = 1e-4;
 
-/// Shares of a mode's elastic energy ½ΔεᵀCΔε, which add up to 1. The energy of the stresses (of the geometric stiffness) and of contact is
-/// not in it.
+/// Shares of a mode's elastic energy ½ΔεᵀCΔε, which add up to 1. The energy of the stresses (of the geometric
+/// stiffness) and of contact is not in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Participation {
@@ -47,7 +47,8 @@ pub struct Mode {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Modes {
-    /// B/L⁴ of the smallest bending stiffness and the longest rod \[F/L²\]: eigenvalues of lines of unit density are numbers times this.
+    /// B/L⁴ of the smallest bending stiffness and the longest rod \[F/L²\]: eigenvalues of lines of unit density are
+    /// numbers times this.
     pub unit: f64,
     /// Unstable directions of the equilibrium.
     pub num_unstable: usize,

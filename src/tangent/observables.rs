@@ -54,8 +54,8 @@ pub enum Observable {
 }
 
 impl Observable {
-    /// From a name: `energy`, `contact_force`, or one of `twist`, `writhe`, `extension`, `seam_moment`, of the first rod or, after a colon,
-    /// of the rod of a name (`writhe:ring`).
+    /// From a name: `energy`, `contact_force`, or one of `twist`, `writhe`, `extension`, `seam_moment`, of the first
+    /// rod or, after a colon, of the rod of a name (`writhe:ring`).
     ///
     /// # Errors
     /// Another name.

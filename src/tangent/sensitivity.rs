@@ -5,12 +5,13 @@
 //! ```
 //!
 //! One solve an observable gives its derivatives with respect to any number of parameters. r is the gradient of the
-//! potential. K is that of the chosen [`Contacts`]: [`Contacts::Locked`] differentiates the equilibrium under hard contact, gaps with force
-//! staying closed; [`Contacts::ByLaw`] that under a penalty. Where a contact is about to open or to close, the derivative
-//! holds on one side.
+//! potential. K is that of the chosen [`Contacts`]: [`Contacts::Locked`] differentiates the equilibrium under hard
+//! contact, gaps with force staying closed; [`Contacts::ByLaw`] that under a penalty. Where a contact is about to
+//! open or to close, the derivative holds on one side.
 //!
-//! ∂r/∂p and ∂q/∂p at fixed unknowns are central differences of fourth order of exact residuals, in which dead loads and stiffnesses are linear;
-//! motions of supports are columns of the tangent; radii and planes change gaps by as much as they move.
+//! ∂r/∂p and ∂q/∂p at fixed unknowns are central differences of fourth order of exact residuals, in which dead loads
+//! and stiffnesses are linear; motions of supports are columns of the tangent; radii and planes change gaps by as
+//! much as they move.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +28,8 @@ use crate::solve::{RunError, State};
 
 /// Relative step of numbers of rods: residuals are linear or quadratic in them.
 const STEP: f64 = 1e-3;
-/// Step of links, turns: the fourth-order difference is exact to 1e-11, and rounding of stiff stretch divided by it is 1e-12.
+/// Step of links, turns: the fourth-order difference is exact to 1e-11, and rounding of stiff stretch divided by it
+/// is 1e-12.
 const TURN_STEP: f64 = 3e-4;
 
 /// What is prescribed.
@@ -74,8 +76,9 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// From a name: `load`, or one of `bending`, `bending_1`, `bending_2`, `twisting`, `stretching`, `shearing`, `contact_radius`, `length`, `natural_curvature_1`,
-    /// `natural_curvature_2`, `natural_twist`, `link`, `pressure`, of the first rod or, after a colon, of the rod of a name.
+    /// From a name: `load`, or one of `bending`, `bending_1`, `bending_2`, `twisting`, `stretching`, `shearing`,
+    /// `contact_radius`, `length`, `natural_curvature_1`, `natural_curvature_2`, `natural_twist`, `link`, `pressure`,
+    /// of the first rod or, after a colon, of the rod of a name.
     ///
     /// # Errors
     /// Another name.
@@ -157,7 +160,7 @@ impl Parameter {
         match self {
             Self::Number { rod, which } => {
                 let value = |number: RodNumber| engine.model().rods[*rod].number(number) + by;
-                which.iter().for_each(|&number| drop(state.numbers.insert((*rod, number), value(number))));
+                state.numbers.extend(which.iter().map(|&number| ((*rod, number), value(number))));
             }
             Self::Load => state.load_factor += by,
             Self::Pressure { rod } => state.pressures[*rod] += by,

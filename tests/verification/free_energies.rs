@@ -1,16 +1,18 @@
 //! Harmonic free energies and sensitivities against closed forms and whole runs.
 //!
-//! * A ring of C/B = 1.5 with the excess link ΔLk, x = C ΔLk/B: F(ΔLk) − F(0) = 2π²C ΔLk²/L + kT ln P(x), P = Π_{n≥2} (1 − x²/(n² − 1)) =
-//!   −2 sin(π√(1 + x²))/(πx²√(1 + x²)). Each n has its mode twice, and each Gaussian gives half a logarithm.
-//! * A clamped straight rod under the moment M or the tension T: the ratio of its determinant to that without is the square (two planes)
-//!   of D(M)/D(0) of solutions that start from the clamp (Gelfand & Yaglom 1960, Forman 1987). With m = ML/B: D = |½g′ − g| at 1,
-//!   g = (e^{ims} − 1 − ims + m²s²/2)/(im)³; with k² = TL²/B: D = (2 − 2 cosh k + k sinh k)/k⁴; both 1/12 at 0.
-//!   The zero of the first is Greenhill's moment. For large k the slope is that of Marko & Siggia (1995): 1 − z/L = ½ kT/√(BT).
+//! * A ring of C/B = 1.5 with the excess link ΔLk, x = C ΔLk/B: F(ΔLk) − F(0) = 2π²C ΔLk²/L + kT ln P(x), P = Π_{n≥2}
+//!   (1 − x²/(n² − 1)) = −2 sin(π√(1 + x²))/(πx²√(1 + x²)). Each n has its mode twice, and each Gaussian gives half a
+//!   logarithm.
+//! * A clamped straight rod under the moment M or the tension T: the ratio of its determinant to that without is the
+//!   square (two planes) of D(M)/D(0) of solutions that start from the clamp (Gelfand & Yaglom 1960, Forman 1987).
+//!   With m = ML/B: D = |½g′ − g| at 1, g = (e^{ims} − 1 − ims + m²s²/2)/(im)³; with k² = TL²/B: D = (2 − 2 cosh k +
+//!   k sinh k)/k⁴; both 1/12 at 0. The zero of the first is Greenhill's moment. For large k the slope is that of
+//!   Marko & Siggia (1995): 1 − z/L = ½ kT/√(BT).
 //!
-//!   On a mesh the short waves of its spacing do not feel what couples their planes, so that logarithms of ratios converge as the node spacing:
-//!   they are extrapolated from two meshes.
-//! * Derivatives: of energies by link 2π × the moment at the seam, by a radius the contact force; central differences of
-//!   whole runs; reciprocity of reactions.
+//!   On a mesh the short waves of its spacing do not feel what couples their planes, so that logarithms of ratios
+//!   converge as the node spacing: they are extrapolated from two meshes.
+//! * Derivatives: of energies by link 2π × the moment at the seam, by a radius the contact force; central differences
+//!   of whole runs; reciprocity of reactions.
 
 use crate::common;
 
@@ -313,9 +315,9 @@ fn reciprocity() {
     }
 }
 
-/// A cantilever above a table, its end pressed down on it, in the plane, at thermal energies where the end leaves the table now and then:
-/// the variance of its middle lies between those with contact locked and free. The independent one is that of a Metropolis
-/// chain of 60 segments with a hard table; it turns all that follows a hinge.
+/// A cantilever above a table, its end pressed down on it, in the plane, at thermal energies where the end leaves the
+/// table now and then: the variance of its middle lies between those with contact locked and free. The independent
+/// one is that of a Metropolis chain of 60 segments with a hard table; it turns all that follows a hinge.
 #[test]
 fn a_chain_on_a_table_fluctuates_between_the_bounds() {
     const KT: f64 = 0.003;

@@ -1,12 +1,12 @@
 //! Softest modes against closed forms.
 //!
-//! Columns: length 1, B = 1 about both axes, C = 1.3, stretch and shear stiffness 1e8 B/L², a dead compression P; pinned
-//! (turning freely across the axis) or clamped, the far end free to move along the axis. λ = (nπ)⁴ − P (nπ)² for n half
-//! waves of a pinned one (Euler), λ = β⁴ with cos β cosh β = 1 of a clamped one without load; each twice. 32 cubic
-//! elements. A rope that hangs from a pin in the plane under its weight w, B = 1e-7 wL³: λ = w j²/4L for the zeros j of
-//! the Bessel function J₀ (D. Bernoulli). A ring of C/B = 1.5 with the excess link ΔLk: the product of the four
-//! eigenvalues of n waves, over that of the ring without link, is (1 − x²/(n² − 1))², x = C ΔLk/B, whatever the masses; the softest is zero at
-//! Michell's √3.
+//! Columns: length 1, B = 1 about both axes, C = 1.3, stretch and shear stiffness 1e8 B/L², a dead compression P;
+//! pinned (turning freely across the axis) or clamped, the far end free to move along the axis. λ = (nπ)⁴ − P (nπ)²
+//! for n half waves of a pinned one (Euler), λ = β⁴ with cos β cosh β = 1 of a clamped one without load; each twice.
+//! 32 cubic elements. A rope that hangs from a pin in the plane under its weight w, B = 1e-7 wL³: λ = w j²/4L for the
+//! zeros j of the Bessel function J₀ (D. Bernoulli). A ring of C/B = 1.5 with the excess link ΔLk: the product of the
+//! four eigenvalues of n waves, over that of the ring without link, is (1 − x²/(n² − 1))², x = C ΔLk/B, whatever the
+//! masses; the softest is zero at Michell's √3.
 
 use crate::common;
 

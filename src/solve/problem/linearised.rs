@@ -1,7 +1,7 @@
 //! The linear problem at a state, for those above the solver: tangent, factor, and the motions that nothing resists.
 //!
-//! Springs hold zero-energy modes and a constraint holds sliding, as in a search ([`ZeroEnergyModes`]). A force that does no work on any of
-//! them stretches no spring, so that the response to it is one of the exact ones.
+//! Springs hold zero-energy modes and a constraint holds sliding, as in a search ([`ZeroEnergyModes`]). A force that
+//! does no work on any of them stretches no spring, so that the response to it is one of the exact ones.
 
 use crate::error::SolveError;
 use crate::math::Vec3;
@@ -17,8 +17,8 @@ use crate::sparse::{Factor, Pattern};
 /// Displacement and rotation of some nodes, or force and moment on them.
 pub(crate) type NodeVector = Vec<(usize, [f64; 6])>;
 
-/// Tangent and factor at the engine's state. Vectors have six numbers a node. Of joined nodes each has the motion of the
-/// first of them, and that one bears their forces.
+/// Tangent and factor at the engine's state. Vectors have six numbers a node. Of joined nodes each has the motion of
+/// the first of them, and that one bears their forces.
 #[derive(Debug)]
 pub(crate) struct Linearised {
     pattern: Pattern,
@@ -46,8 +46,9 @@ struct Border {
 }
 
 impl Linearised {
-    /// Assembles and factorises the tangent at the engine's state. `coupled` are nodes that products couple besides those
-    /// that elements and contact do; `products` gives vectors v and factors f: Σ f v vᵀ is added to the tangent.
+    /// Assembles and factorises the tangent at the engine's state. `coupled` are nodes that products couple besides
+    /// those that elements and contact do; `products` gives vectors v and factors f: Σ f v vᵀ is added to the
+    /// tangent.
     ///
     /// # Errors
     /// Contact geometry that breaks down; a factorisation that does not fit into memory, or with a pivot that vanishes.
@@ -127,8 +128,8 @@ impl Linearised {
         forces
     }
 
-    /// ln |det| of the tangent with [springs](Self::holding), that along the sliding constraint infinitely stiff, so that
-    /// its stiffness is a factor that is left out.
+    /// ln |det| of the tangent with [springs](Self::holding), that along the sliding constraint infinitely stiff, so
+    /// that its stiffness is a factor that is left out.
     pub(crate) fn log_determinant(&self) -> f64 {
         let border = self.border.as_ref().map_or(0.0, |border| border.compliance.abs().ln());
         self.factor.log_determinant() + border
@@ -139,8 +140,8 @@ impl Linearised {
         self.pattern.num_equations()
     }
 
-    /// The forces of the tangent against a motion of one node, displacement \[L\] and rotation vector \[rad\], supported
-    /// unknowns included on both sides. Contact is that of the law.
+    /// The forces of the tangent against a motion of one node, displacement \[L\] and rotation vector \[rad\],
+    /// supported unknowns included on both sides. Contact is that of the law.
     pub(crate) fn driven(&self, engine: &Engine, motion: (usize, Vec3, Vec3)) -> Vec<f64> {
         let (drive, mut tangent) = (PrescribedMotion { nodes: vec![motion], seams: Vec::new() }, Tangent::default());
         let stress = engine.actual_stress(&engine.state);
