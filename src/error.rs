@@ -139,6 +139,12 @@ pub enum SolveError {
         /// Largest relative shift tried.
         shift: f64,
     },
+    /// The softest modes of a state did not converge.
+    #[error("the softest modes did not converge in {iterations} blocks of iterations")]
+    Eigenvalues {
+        /// Blocks of vectors that were tried.
+        iterations: usize,
+    },
     /// Contact geometry that cannot be resolved on this mesh.
     #[error("segment {segment} of curve {curve} turns by {turning:.3} rad, more than {limit:.3}: use more elements")]
     TooCoarse {

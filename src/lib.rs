@@ -81,8 +81,8 @@
 //!
 //! ```text
 //! math ──┬── contact ───────────────────┐
-//!        ├── rod ───── dna ───── scene ─┼── solve ── certificate ── observe ── io ── the command line
-//!        └── sparse ────────────────────┘
+//!        ├── rod ───── dna ───── scene ─┼── solve ─┬─ certificate ── observe ─┬─ io ── the command line
+//!        └── sparse ────────────────────┘          └─ tangent ────────────────┘
 //! error  open to all
 //! ```
 //!
@@ -92,6 +92,7 @@
 //! * `sparse` (private): sparse LDLᵀ with inertia
 //! * [`scene`]: a problem as plain data; scene files
 //! * [`solve`]: load stepping, paths through limit and branch points, Newton, stability
+//! * [`tangent`]: softest modes of an equilibrium, harmonic free energy, sensitivities
 //! * [`certificate`]: what holds of a state, checked without the solver
 //! * [`observe`]: numbers of a state
 //! * [`io`]: VTK, CSV, pictures, interactive pages, glTF, the record of a run, sweeps
@@ -147,6 +148,8 @@ pub mod scene;
 pub mod solve;
 #[cfg(feature = "solver")]
 pub(crate) mod sparse;
+#[cfg(feature = "solver")]
+pub mod tangent;
 
 pub(crate) mod text;
 

@@ -236,6 +236,9 @@ struct Choices {
     /// law.
     #[arg(long)]
     error_estimate: bool,
+    /// Find that many of the softest modes of the final state.
+    #[arg(long, value_name = "N")]
+    modes: Option<usize>,
     /// Stop after so many seconds, as Ctrl-C does: with all files in order, to be resumed.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     time_limit: Option<f64>,
@@ -494,6 +497,7 @@ fn go(mut run: SceneRun, from: Option<(usize, f64)>, choices: &Choices) -> Resul
     let output = &mut scene.output;
     output.checkpoint_steps = choices.checkpoint_every.map(|n| n as usize).or(output.checkpoint_steps);
     output.error_estimate |= choices.error_estimate;
+    output.modes = choices.modes.unwrap_or(output.modes);
     output.checkpoint_seconds = choices.checkpoint_seconds.unwrap_or(output.checkpoint_seconds);
     let (units, thermal) = (scene.units.clone(), scene.thermal());
     let bar = Bar::new(&scene.stages, from, choices.quiet);
@@ -558,6 +562,9 @@ fn print_results(outcome: &Outcome, units: &Units, thermal: Option<(f64, f64)>, 
     }
     if let Some(estimate) = &outcome.error_estimate {
         say(format_args!("{}", estimate.in_units(units)));
+    }
+    if let Some(modes) = &outcome.modes {
+        say(format_args!("{modes}"));
     }
     if let Some(last) = outcome.steps.last().filter(|_| outcome.status == Status::Converged) {
         say(format_args!("{}", last.certificate));

@@ -1,6 +1,7 @@
 //! Files of a run: tables, final state, VTK, pictures, summary; written from snapshots.
 
 mod files;
+mod modes;
 mod pictures;
 mod still;
 
@@ -16,6 +17,7 @@ use crate::observe::report::{Energies, LineSample, Linking, Observation, SiteRep
 use crate::scene::file::{OutputChoice, PictureChoice};
 use crate::scene::{Scene, Units};
 use crate::solve::NodalFields;
+use crate::tangent::Modes;
 
 use super::csv::{RodState, state_text, write_state};
 use super::detail::{every, within};
@@ -145,6 +147,8 @@ struct SummaryFile<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     error_estimate: Option<&'a ErrorEstimate>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    modes: Option<modes::Summary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     thermal: Option<Thermal>,
     steps: &'a [Observation],
 }
@@ -200,6 +204,7 @@ pub struct RecordState {
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
 /// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
+/// | `modes.vtp` | if asked for: the softest modes of the final state, at the nodes the displacements `mode_1` … and rotations `mode_1_rotation` …; eigenvalues as field data |
 /// | `view.html` | a page for the browser: the run to turn and to step through (from the `.vtp` files: without them there is none) |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod's changes |
 #[derive(Debug)]
@@ -227,6 +232,7 @@ pub struct Record {
     last_written: Option<usize>,
     pvd: PvdWriter,
     error_estimate: Option<ErrorEstimate>,
+    modes: Option<Modes>,
     failure: Option<String>,
     planes: Vec<DrawnPlane>,
 }
@@ -269,6 +275,7 @@ impl Record {
             last_written: None,
             pvd: PvdWriter::new(dir.join(files::COLLECTION)),
             error_estimate: None,
+            modes: None,
             failure: None,
         })
     }
@@ -364,6 +371,11 @@ impl Record {
         self.error_estimate = Some(estimate);
     }
 
+    /// Sets the softest modes of the final state.
+    pub(crate) fn set_modes(&mut self, modes: Modes) {
+        self.modes = Some(modes);
+    }
+
     /// Writes the remaining files; `status` describes how the run ended.
     ///
     /// # Errors
@@ -387,6 +399,7 @@ impl Record {
         if self.output.vtk && self.last_written != Some(last.step) {
             self.write_vtk(&last)?;
         }
+        self.write_modes(&last)?;
         if self.output.picture {
             self.write_pictures(&last)?;
         }
@@ -433,6 +446,7 @@ impl Record {
             seconds,
             last,
             error_estimate,
+            modes: self.modes.as_ref().map(modes::Summary::of),
             thermal,
             steps,
         };

@@ -13,8 +13,9 @@ use crate::scene::file::{FollowChoice, FollowStart};
 use crate::scene::{Fidelity, Ramp, Scene, Stage};
 use crate::solve::{
     self, Engine, Failure, FollowOptions, Interrupt, NewtonOptions, NodalFields, Options, PathEnd, PathPoint,
-    PointKind, Progress, Restart, RunError, Start, Status, Waypoint,
+    PointKind, Progress, Restart, RunError, Solver, Start, Status, Waypoint,
 };
+use crate::tangent::{Contacts, Modes, Tangent};
 
 use super::checkpoint::{Checkpoint, FILE_NAME};
 use super::fingerprint::Fingerprint;
@@ -37,6 +38,8 @@ pub struct Outcome {
     pub failure: Option<Failure>,
     /// An estimate of the final state's error, if the scene asks for it and the run converged.
     pub error_estimate: Option<ErrorEstimate>,
+    /// The softest modes of the final state, if the scene asks for them and the run converged.
+    pub modes: Option<Modes>,
 }
 
 /// Solver options of a scene: its choices over the defaults.
@@ -224,6 +227,8 @@ struct Keeper {
     fidelity: Option<Fidelity>,
     /// Whether the error of the final state is to be estimated.
     estimates: bool,
+    /// How many softest modes of the final state are to be found.
+    modes: usize,
 }
 
 impl Keeper {
@@ -245,6 +250,7 @@ impl Keeper {
             links: EndLinks::new(&scene.model, &scene.stages),
             fidelity: scene.fidelity,
             estimates: scene.output.error_estimate,
+            modes: scene.output.modes,
         }
     }
 
@@ -340,7 +346,7 @@ impl Keeper {
         self.seconds_before + self.started.elapsed().as_secs_f64()
     }
 
-    fn finish(mut self, result: Result<solve::Solution, RunError>) -> Result<Outcome, RunError> {
+    fn finish(mut self, mut result: Result<solve::Solution, RunError>) -> Result<Outcome, RunError> {
         let seconds = self.elapsed();
         let (converged, status) = match &result {
             Ok(solution) => {
@@ -359,6 +365,11 @@ impl Keeper {
                 self.write()?;
             }
         }
+        let ended = result.as_mut().ok().filter(|_| converged && self.modes > 0);
+        let modes = ended.map(|solution| softest(&mut solution.solver, self.modes)).transpose();
+        if let Ok(Some(modes)) = &modes {
+            self.record.set_modes(modes.clone());
+        }
         let wanted = result.as_ref().ok().filter(|_| converged && self.estimates);
         let estimated = wanted.map(|solution| observe::estimate_error(&solution.solver)).transpose();
         if let Ok(Some(estimate)) = &estimated {
@@ -366,7 +377,7 @@ impl Keeper {
         }
         // also without an estimate: the run itself has converged
         self.record.finish(converged && self.record.holds(), &status, seconds)?;
-        let error_estimate = estimated?;
+        let (error_estimate, modes) = (estimated?, modes?);
         if converged && self.on_disk {
             // the outputs are complete; a checkpoint that cannot be removed does no harm
             std::fs::remove_file(&self.path).ok();
@@ -380,8 +391,14 @@ impl Keeper {
             seconds,
             checkpoint,
             error_estimate,
+            modes,
         })
     }
+}
+
+/// The softest modes of a solver's state.
+fn softest(solver: &mut Solver, count: usize) -> Result<Modes, RunError> {
+    Ok(Tangent::at(solver, Contacts::ByLaw)?.modes(count)?)
 }
 
 /// Note on the kind of a point of a path, if it is special.

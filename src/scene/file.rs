@@ -161,6 +161,9 @@ pub struct OutputChoice {
     pub checkpoint_seconds: f64,
     /// Whether the error of the final state is estimated, see `observe::estimate_error` in the library.
     pub error_estimate: bool,
+    /// Number of softest modes of the final state, see `tangent::Tangent::modes` in the library: `modes.vtp` has their
+    /// shapes, `summary.json` their eigenvalues.
+    pub modes: usize,
     /// Folder of the files, relative to where the program runs; the command line's `--out` takes precedence.
     #[schemars(extend("x-default" = "out/NAME"))]
     pub dir: Option<PathBuf>,
@@ -304,6 +307,7 @@ impl Default for OutputChoice {
             checkpoint_steps: None,
             checkpoint_seconds: 60.0,
             error_estimate: false,
+            modes: 0,
             dir: None,
         }
     }

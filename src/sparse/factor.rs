@@ -162,6 +162,23 @@ impl Factor {
         Some(Inertia { num_negative })
     }
 
+    /// ln |det A| of the last factorisation: the sum of ln |d| over the pivots.
+    pub fn log_determinant(&self) -> f64 {
+        let symbolic = match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(symbolic) => symbolic,
+            SymbolicCholeskyRaw::Simplicial(symbolic) => {
+                let pivots = symbolic.col_ptr()[..symbolic.ncols()].iter().map(|&first| self.values[first as usize]);
+                return pivots.map(|pivot| pivot.abs().ln()).sum();
+            }
+        };
+        let factors = SupernodalLdltRef::new(symbolic, &self.values);
+        let of_supernode = |s: usize| {
+            let block = factors.supernode(s).val();
+            (0..block.ncols()).map(|k| block[(k, k)].abs().ln()).sum::<f64>()
+        };
+        (0..symbolic.n_supernodes()).map(of_supernode).sum()
+    }
+
     /// Solves A x = b in place with the last factorisation.
     pub fn solve(&mut self, rhs: &mut [f64]) {
         let n = rhs.len();
@@ -305,6 +322,7 @@ mod tests {
         assert!(negative > 0);
         let mut factor = Factor::analyse(&pattern).unwrap();
         assert_eq!(factor.factorise(&pattern, &values), Some(Inertia { num_negative: negative }));
+        assert!((factor.log_determinant() - dense.determinant().abs().ln()).abs() < 1e-11);
         let exact: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
         let mut rhs = pattern.multiply(&values, &exact);
         factor.solve(&mut rhs);
@@ -330,6 +348,8 @@ mod tests {
             let mut rhs = diagonal.clone();
             factor.solve(&mut rhs);
             assert_eq!(rhs, vec![1.0; diagonal.len()]);
+            let product = diagonal.iter().product::<f64>().abs();
+            assert!((factor.log_determinant() - product.ln()).abs() < 1e-15);
             values[0] = 0.0;
             assert_eq!(factor.factorise(&pattern, &values), None, "a pivot vanishes");
             values[0] = f64::NAN;

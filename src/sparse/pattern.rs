@@ -221,6 +221,11 @@ impl Pattern {
         }
     }
 
+    /// [`Pattern::equation`], `None` also of a node that is joined to one before.
+    pub fn own_equation(&self, node: usize, k: usize) -> Option<usize> {
+        if self.master[node] as usize == node { self.equation(node, k) } else { None }
+    }
+
     fn num_free(&self, node: u32) -> u32 {
         num_free(&self.local[node as usize])
     }

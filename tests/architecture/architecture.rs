@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Each module of the crate's root and what it may use besides itself.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("error", &[]),
     ("memory", &[]),
     ("text", &["error"]),
@@ -21,7 +21,8 @@ const MAY_USE: [(&str, &[&str]); 13] = [
     ("solve", &["error", "math", "memory", "contact", "rod", "sparse", "scene"]),
     ("certificate", &["error", "math", "rod", "scene", "solve"]),
     ("observe", &["error", "math", "contact", "rod", "scene", "solve", "certificate"]),
-    ("io", &["error", "math", "rod", "scene", "solve", "certificate", "observe", "text", "dna"]),
+    ("tangent", &["error", "math", "contact", "rod", "scene", "solve"]),
+    ("io", &["error", "math", "rod", "scene", "solve", "tangent", "certificate", "observe", "text", "dna"]),
     ("dna", &["error", "math", "rod", "text"]),
 ];
 

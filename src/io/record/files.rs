@@ -21,9 +21,10 @@ pub(super) const PICTURE: &str = "picture.png";
 pub(super) const FILM_STRIP: &str = "filmstrip.png";
 pub(super) const WRITHE: &str = "writhe.svg";
 pub(in crate::io) const VIEW: &str = "view.html";
+pub(super) const MODES: &str = "modes.vtp";
 
 /// All files except those of single steps and those that explain columns.
-const ALL: [&str; 13] = [
+const ALL: [&str; 14] = [
     COLLECTION,
     TABLE,
     FINAL_STATE,
@@ -36,6 +37,7 @@ const ALL: [&str; 13] = [
     FILM_STRIP,
     WRITHE,
     VIEW,
+    MODES,
     SCENE,
 ];
 /// Tables whose columns are explained in files of their own.

@@ -163,6 +163,11 @@ impl Engine {
 
     /// Nodes and their couplings with the present candidates.
     pub(crate) fn node_graph(&self) -> NodeGraph {
+        self.node_graph_with(&[])
+    }
+
+    /// [`Engine::node_graph`] with all nodes of some lists coupled, too.
+    pub(crate) fn node_graph_with(&self, coupled: &[Vec<usize>]) -> NodeGraph {
         let elements = self.elements.iter().flat_map(|element| {
             let nodes = self.nodes_of(element);
             (0..nodes.len()).flat_map(move |a| (a..nodes.len()).map(move |c| (nodes[a], nodes[c])))
@@ -173,7 +178,9 @@ impl Engine {
                 [(p[0], q[0]), (p[0], q[1]), (p[1], q[0]), (p[1], q[1])]
             })
         });
-        NodeGraph::new(&self.equations, &self.master, elements.chain(contacts))
+        let pairs =
+            |nodes: &'_ Vec<usize>| nodes.iter().flat_map(|&a| nodes.iter().map(move |&c| (a, c))).collect::<Vec<_>>();
+        NodeGraph::new(&self.equations, &self.master, elements.chain(contacts).chain(coupled.iter().flat_map(pairs)))
     }
 
     fn join(&self, out: &mut Residual) {

@@ -7,8 +7,9 @@ use crate::contact::broad_phase::BroadPhase;
 use crate::contact::law::Law;
 use crate::contact::screened::Repulsion;
 use crate::error::{InputError, SolveError};
-use crate::rod::Natural;
+use crate::rod::{Natural, RodNumber};
 use crate::scene::ContactLaw;
+use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::engine::{Engine, Reference};
 use crate::solve::problem::state::{Numbers, State};
@@ -71,15 +72,32 @@ impl Engine {
 
     /// Elastic energy and potential of the loads in a state with its numbers; contact is left alone.
     pub(in crate::solve) fn potential_without_contact(&mut self, state: &State) -> f64 {
-        self.set_numbers_of_elements(&state.numbers);
-        let mut out = self.start_residual(state);
-        self.install(|| {
-            self.add_element_gradients(state, &mut out);
-            self.add_loads(state, &mut out, None);
-        });
-        let numbers = self.state.numbers.clone();
-        self.set_numbers_of_elements(&numbers);
-        out.potential.total()
+        self.residual_of_numbers(state, true).potential.total()
+    }
+
+    /// The residual of elements, and of loads if asked for, in a state with its numbers; contact is left alone.
+    pub(in crate::solve::problem) fn residual_of_numbers(&mut self, state: &State, loads: bool) -> Residual {
+        self.with_numbers(&state.numbers, |engine| {
+            let mut out = engine.start_residual(state);
+            engine.install(|| {
+                engine.add_element_gradients(state, &mut out);
+                if loads {
+                    engine.add_loads(state, &mut out, None);
+                }
+            });
+            out
+        })
+    }
+
+    /// Does some work under other numbers of rods and their elements.
+    pub(in crate::solve::problem) fn with_numbers<R>(&mut self, numbers: &Numbers, work: impl FnOnce(&Self) -> R) -> R {
+        let number =
+            |(&(rod, which), _): (&(usize, RodNumber), &f64)| ((rod, which), self.model.rods[rod].number(which));
+        let before: Numbers = numbers.iter().map(number).collect();
+        self.set_numbers_of_elements(numbers);
+        let result = work(self);
+        self.set_numbers_of_elements(&before);
+        result
     }
 
     /// Gives rods and their elements numbers; true if any is another.
@@ -145,7 +163,7 @@ impl Engine {
 mod tests {
     use super::*;
     use crate::math::Vec3;
-    use crate::rod::{Rod, RodMesh, RodNumber, Section, Shape};
+    use crate::rod::{Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
 
     /// Symptom: where a rod grew, candidates were counted from 0 again, and the matrix could keep the pattern of before.

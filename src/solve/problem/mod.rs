@@ -11,6 +11,7 @@
 //! | `contact_tangents`, `measured_tangents` | tangents of the contact curves at the nodes, and how they are measured on a state |
 //! | `joint_surroundings` | where joined rods touch for good, and contact is left out |
 //! | `contact_gaps` | the smallest gap of each contact near each node |
+//! | `linearised` | tangent and factor at a state, for those above the solver |
 //! | `swivel`, `moment_load` | supports that hold the rotation about one axis; moments of fixed direction |
 //! | `zero_energy` | motions that nothing resists, and the springs that hold them |
 //! | `falling` | rods that nothing is left to carry |
@@ -32,6 +33,7 @@ pub(in crate::solve) mod fields;
 pub(in crate::solve) mod follower;
 mod joint_surroundings;
 pub(in crate::solve) mod joints;
+pub(crate) mod linearised;
 mod measured_tangents;
 pub(in crate::solve) mod moment_load;
 pub(in crate::solve) mod prescribed_motion;
@@ -39,4 +41,4 @@ pub(in crate::solve) mod problem_size;
 pub(in crate::solve) mod state;
 pub(crate) mod swivel;
 mod twist_limit;
-pub(in crate::solve) mod zero_energy;
+pub(crate) mod zero_energy;

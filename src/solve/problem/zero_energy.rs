@@ -414,6 +414,11 @@ impl ZeroEnergyModes {
         zero_energy
     }
 
+    /// All motions, six numbers for each node of the model, sliding the last.
+    pub(crate) fn all(&self, engine: &Engine) -> Vec<Vec<f64>> {
+        self.motions.iter().cloned().chain(self.several.all(6 * engine.num_nodes())).collect()
+    }
+
     /// Takes the neutral part out of an increment.
     pub(crate) fn remove(&self, step: &mut [f64]) {
         for motion in &self.motions {
@@ -513,6 +518,38 @@ fn pin_held(
             subtract(other, &done[index], part);
         }
     }
+}
+
+/// Kind of motion that costs a single free rod nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Generator {
+    /// Of the whole by a unit of length.
+    Displacement,
+    /// Of the whole by a radian.
+    Rotation,
+    /// Of all frames about their tangents by a radian.
+    Spin,
+    /// Along itself by a unit of length.
+    Sliding,
+}
+
+/// Motions by name of a model that is a single free rod which bears no loads; none of others. Sliding may depend on those before it.
+pub(crate) fn generators(engine: &Engine, state: &State) -> Vec<(Generator, Vec<f64>)> {
+    if engine.model.rods.len() != 1 || !is_free(engine, 0) || is_falling(engine, 0) || !engine.model.planes.is_empty() {
+        return Vec::new();
+    }
+    let nodes: Vec<usize> = engine.nodes(0).collect();
+    let num_displacements = if engine.model.planar { 2 } else { 3 };
+    let rigid = rigid_motions(engine, state, &nodes, &[]).into_iter().enumerate();
+    let kind = |k: usize| if k < num_displacements { Generator::Displacement } else { Generator::Rotation };
+    let mut all: Vec<_> = rigid.map(|(k, motion)| (kind(k), motion)).collect();
+    if spins(engine, 0) {
+        all.push((Generator::Spin, spin_of(engine, state, 0, engine.nodes(0))));
+    }
+    if slides(engine, 0) {
+        all.push((Generator::Sliding, motion(engine.nodes(0), |n| sliding_rate(engine, state, n))));
+    }
+    all
 }
 
 /// Rates of position and rotation of a node of a closed rod when the rod slides along itself by unit arc length:

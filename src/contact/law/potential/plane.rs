@@ -283,6 +283,16 @@ impl PlaneContact {
         self.zones.iter().map(|zone| zone.min_gap).fold(f64::INFINITY, f64::min)
     }
 
+    /// ∂gap/∂x at each point by the ends of the segment, which is one of `set`, and weight × stiffness there \[F/L\].
+    pub(crate) fn gap_gradients<'a>(
+        &'a self,
+        set: &CurveSet,
+        normal: Vec3,
+    ) -> impl Iterator<Item = ([f64; 12], f64)> + 'a {
+        let ends = Ends::of(set, self.segment, normal);
+        self.points.iter().map(move |point| (ends.along(&cubic_weights(point.u)), point.stiffness))
+    }
+
     /// Σ W k e ∂gap/∂x by the ends of the segment where the term was evaluated, its handles those of `set`: the gradient
     /// of a law that went on linearly, e the change of gap at each point in contact, of which `change` gives that at the
     /// control points \[L\].

@@ -70,6 +70,22 @@ pub(crate) fn stiffness_of_gaps(term: &ContactPair, cubics: [&Cubic; 2], change:
     sum_of_gaps(term, cubics, change, |_, here| here.linear)
 }
 
+/// ∂gap/∂x at each point of a term with respect to the ends of `cubics` (slave and master where the term was evaluated), and
+/// weight × stiffness there \[F/L\].
+pub(crate) fn gap_gradients<'a>(
+    term: &'a ContactPair,
+    [slave, master]: [&'a Cubic; 2],
+) -> impl Iterator<Item = ([f64; 24], f64)> + 'a {
+    let coordinates = Coordinates::ends(slave, master);
+    term.points.iter().filter_map(move |point| {
+        let chord = slave.point(point.u) - master.point(point.v);
+        let normal = chord.try_normalize(0.0)?;
+        let (wa, wb) = (cubic_weights(point.u), cubic_weights(point.v));
+        let rate: [Vec3; 8] = std::array::from_fn(|m| normal * if m < 4 { wa[m] } else { -wb[m - 4] });
+        Some((coordinates.pull(&rate), point.stiffness))
+    })
+}
+
 /// A point of contact and its linear motion, where its term was evaluated.
 struct PointMotion {
     distance: f64,

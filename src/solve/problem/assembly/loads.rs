@@ -40,7 +40,7 @@ impl Engine {
     }
 
     /// Nodes of a rod, element by element, with their shares ∫N_a ds \[L\] of a line load.
-    pub(in crate::solve) fn shares(&self, rod: usize) -> impl Iterator<Item = (usize, f64)> {
+    pub(crate) fn shares(&self, rod: usize) -> impl Iterator<Item = (usize, f64)> {
         let order = self.model.rods[rod].order;
         let (weights, length) = (integrals(order).0, self.element_length(rod));
         let elements = self.elements.iter().filter(move |e| e.rod == rod);

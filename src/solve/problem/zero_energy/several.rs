@@ -86,6 +86,15 @@ impl Several {
         several
     }
 
+    /// All motions, with this many numbers.
+    pub(super) fn all(&self, len: usize) -> impl Iterator<Item = Vec<f64>> + '_ {
+        self.motions.iter().map(move |motion| {
+            let mut whole = vec![0.0; len];
+            motion.iter().for_each(|(rod, values)| whole[self.range(*rod)].copy_from_slice(values));
+            whole
+        })
+    }
+
     /// Takes the neutral part out of an increment.
     pub(super) fn remove(&self, step: &mut [f64]) {
         for motion in &self.motions {

@@ -1,0 +1,230 @@
+//! The linear problem at a state, for those above the solver: tangent, factor, and the motions that nothing resists.
+//!
+//! Springs hold zero-energy modes and a constraint holds sliding, as in a search ([`ZeroEnergyModes`]). A force that
+//! does no work on any of them stretches no spring, so that the response to it is one of the exact ones.
+
+use crate::error::SolveError;
+use crate::math::Vec3;
+use crate::rod::{Rod, RodNumber};
+use crate::solve::problem::assembly::{Residual, Tangent};
+use crate::solve::problem::engine::{Engine, give_to_masters};
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
+use crate::solve::problem::swivel::Bases;
+use crate::solve::problem::zero_energy::ZeroEnergyModes;
+use crate::sparse::{Factor, Pattern};
+
+/// Displacement and rotation of some nodes, or force and moment on them.
+pub(crate) type NodeVector = Vec<(usize, [f64; 6])>;
+
+/// Tangent and factor at the engine's state. Vectors have six numbers a node. Of joined nodes each has the motion of
+/// the first of them, and that one bears their forces.
+#[derive(Debug)]
+pub(crate) struct Linearised {
+    pattern: Pattern,
+    factor: Factor,
+    bases: Bases,
+    /// ∂²Π/∂x².
+    tangent: Vec<f64>,
+    /// What springs on zero-energy modes add.
+    springs: Vec<f64>,
+    border: Option<Border>,
+    /// Gradient and zones of contact at the state.
+    pub(crate) residual: Residual,
+    /// Zero-energy modes, sliding the last if there is any.
+    pub(crate) zero_energy: Vec<Vec<f64>>,
+    /// Negative eigenvalues of the tangent, those of zero-energy modes left out.
+    pub(crate) num_negative: usize,
+}
+
+/// The constraint that holds sliding, with its response K⁻¹c.
+#[derive(Debug)]
+struct Border {
+    constraint: Vec<f64>,
+    response: Vec<f64>,
+    compliance: f64,
+}
+
+impl Linearised {
+    /// Assembles and factorises the tangent at the engine's state. `coupled` are nodes that products couple besides
+    /// those that elements and contact do; `products` gives vectors v and factors f: Σ f v vᵀ is added to the
+    /// tangent.
+    ///
+    /// # Errors
+    /// Contact geometry that breaks down; a factorisation that does not fit into memory, or with a pivot that vanishes.
+    pub(crate) fn at(
+        engine: &mut Engine,
+        coupled: &[Vec<usize>],
+        products: impl FnOnce(&Engine, &Residual) -> Vec<(NodeVector, f64)>,
+    ) -> Result<Self, SolveError> {
+        let state = engine.state.clone();
+        engine.update_contact(&state)?;
+        engine.check_memory()?;
+        let (pattern, factor) = Factor::of(engine.node_graph_with(coupled))?;
+        let engine = &*engine;
+        let (mut assembled, drive) = (Tangent::default(), PrescribedMotion::default());
+        let stress = engine.actual_stress(&state);
+        let residual = engine.linearise(&state, Some(&stress), &drive, (&pattern, &mut assembled));
+        let (bases, mut tangent) = (residual.bases.clone(), assembled.values);
+        for (vector, factor) in products(engine, &residual) {
+            add_product(&pattern, &bases, &mut tangent, &vector, factor);
+        }
+        let zero_energy = ZeroEnergyModes::at(engine, &state, &residual);
+        let mut springs = vec![0.0; tangent.len()];
+        zero_energy.add_pins(engine, &state, (&pattern, &bases), &mut springs);
+        let constraint = zero_energy.sliding_constraint();
+        let motions = zero_energy.all(engine);
+        let mut linearised = Self {
+            pattern,
+            factor,
+            bases,
+            tangent,
+            springs,
+            border: None,
+            residual,
+            zero_energy: motions,
+            num_negative: 0,
+        };
+        linearised.factorise(constraint)?;
+        Ok(linearised)
+    }
+
+    fn factorise(&mut self, constraint: Option<Vec<f64>>) -> Result<(), SolveError> {
+        let sum: Vec<f64> = self.tangent.iter().zip(&self.springs).map(|(k, s)| k + s).collect();
+        let inertia = self.factor.factorise(&self.pattern, &sum);
+        self.num_negative = inertia.ok_or(SolveError::Factorisation { iteration: 0, shift: 0.0 })?.num_negative;
+        let Some(constraint) = constraint else { return Ok(()) };
+        let response = self.solve_unconstrained(&constraint);
+        let compliance: f64 = dot(&constraint, &response);
+        // inertia on the motions that do not slide (Haynsworth)
+        self.num_negative -= usize::from(self.num_negative > 0 && compliance < 0.0);
+        self.border = Some(Border { constraint, response, compliance });
+        Ok(())
+    }
+
+    /// A motion under these forces, with some zero-energy modes in it.
+    pub(crate) fn solve(&mut self, forces: &[f64]) -> Vec<f64> {
+        let mut x = self.solve_unconstrained(forces);
+        if let Some(border) = &self.border {
+            let part = dot(&border.constraint, &x) / border.compliance;
+            x.iter_mut().zip(&border.response).for_each(|(x, w)| *x -= part * w);
+        }
+        x
+    }
+
+    /// The forces of the tangent against a motion.
+    pub(crate) fn multiply(&self, motion: &[f64]) -> Vec<f64> {
+        self.product(&self.tangent, motion)
+    }
+
+    /// The forces against a motion of what holds zero-energy modes: springs, and a spring of unit stiffness along the
+    /// sliding constraint.
+    pub(crate) fn holding(&self, motion: &[f64]) -> Vec<f64> {
+        let mut forces = self.product(&self.springs, motion);
+        if let Some(Border { constraint, .. }) = &self.border {
+            let part = dot(constraint, motion);
+            forces.iter_mut().zip(constraint).for_each(|(f, c)| *f += part * c);
+        }
+        forces
+    }
+
+    /// ln |det| of the tangent with [springs](Self::holding), that along the sliding constraint infinitely stiff, so
+    /// that its stiffness is a factor that is left out.
+    pub(crate) fn log_determinant(&self) -> f64 {
+        let border = self.border.as_ref().map_or(0.0, |border| border.compliance.abs().ln());
+        self.factor.log_determinant() + border
+    }
+
+    /// Number of unknowns.
+    pub(crate) fn num_unknowns(&self) -> usize {
+        self.pattern.num_equations()
+    }
+
+    /// The forces of the tangent against a motion of one node, displacement \[L\] and rotation vector \[rad\],
+    /// supported unknowns included on both sides. Contact is that of the law.
+    pub(crate) fn driven(&self, engine: &Engine, motion: (usize, Vec3, Vec3)) -> Vec<f64> {
+        let (drive, mut tangent) = (PrescribedMotion { nodes: vec![motion], seams: Vec::new() }, Tangent::default());
+        let stress = engine.actual_stress(&engine.state);
+        engine.linearise(&engine.state, Some(&stress), &drive, (&self.pattern, &mut tangent));
+        tangent.drive
+    }
+
+    fn product(&self, values: &[f64], motion: &[f64]) -> Vec<f64> {
+        let mut reduced = vec![0.0; self.pattern.num_equations()];
+        for (i, x) in self.bases.resolved(motion).iter().enumerate() {
+            if let Some(equation) = self.pattern.own_equation(i / 6, i % 6) {
+                reduced[equation] = *x;
+            }
+        }
+        let product = self.pattern.multiply(values, &reduced);
+        self.expanded(motion.len(), |node, k| self.pattern.own_equation(node, k).map(|equation| product[equation]))
+    }
+
+    fn solve_unconstrained(&mut self, forces: &[f64]) -> Vec<f64> {
+        let mut rhs = vec![0.0; self.pattern.num_equations()];
+        for (i, x) in self.bases.resolved(forces).iter().enumerate() {
+            if let Some(equation) = self.pattern.equation(i / 6, i % 6) {
+                rhs[equation] += x;
+            }
+        }
+        self.factor.solve(&mut rhs);
+        self.expanded(forces.len(), |node, k| self.pattern.equation(node, k).map(|equation| rhs[equation]))
+    }
+
+    /// Six numbers a node about x, y and z from those of the unknowns.
+    fn expanded(&self, len: usize, number: impl Fn(usize, usize) -> Option<f64>) -> Vec<f64> {
+        let mut all: Vec<f64> = (0..len).map(|i| number(i / 6, i % 6).unwrap_or(0.0)).collect();
+        self.bases.compose(&mut all);
+        all
+    }
+}
+
+impl Engine {
+    /// The residual of elements and loads in a state with its numbers, those of joined nodes at their masters.
+    pub(crate) fn residual_without_contact(&mut self, state: &State) -> Residual {
+        self.joined(state, true)
+    }
+
+    /// The residual of elements alone in a state with its numbers.
+    pub(crate) fn elastic_residual(&mut self, state: &State) -> Residual {
+        self.joined(state, false)
+    }
+
+    fn joined(&mut self, state: &State, loads: bool) -> Residual {
+        let mut out = self.residual_of_numbers(state, loads);
+        give_to_masters(&mut out.gradient, &self.master);
+        out
+    }
+
+    /// ∂ln κ/∂n of the contact stiffness κ, which is made of the rods' numbers, all of these changed by as much.
+    pub(crate) fn slope_of_contact_stiffness(&mut self, rod: usize, which: &[RodNumber]) -> f64 {
+        let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
+        if which.contains(&RodNumber::ContactRadius) {
+            // of several that are as thin, the others stay when one grows
+            let thinnest = |rod: &&Rod| rod.section.contact_radius == radius;
+            let alone = self.model.rods.iter().filter(thinnest).count() == 1;
+            return if alone && thinnest(&&self.model.rods[rod]) { -4.0 / radius } else { 0.0 };
+        }
+        let here = which.iter().map(|&number| self.model.rods[rod].number(number).abs()).fold(0.0, f64::max);
+        let stiffness = |engine: &mut Self, by: f64| {
+            let changed = which.iter().map(|&number| ((rod, number), engine.model.rods[rod].number(number) + by));
+            let numbers = changed.collect();
+            engine.with_numbers(&numbers, Self::contact_stiffness)
+        };
+        let step = 1e-3 * here;
+        if step == 0.0 { 0.0 } else { (stiffness(self, step).ln() - stiffness(self, -step).ln()) / (2.0 * step) }
+    }
+}
+
+/// Adds factor × v vᵀ, v six numbers for each of some nodes that the pattern couples.
+fn add_product(pattern: &Pattern, bases: &Bases, values: &mut [f64], vector: &NodeVector, factor: f64) {
+    for (k, (p, a)) in vector.iter().enumerate() {
+        for (q, b) in &vector[k..] {
+            bases.add_block(pattern, values, (*p, *q), |i, j| factor * a[i] * b[j]);
+        }
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

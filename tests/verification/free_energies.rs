@@ -1,0 +1,397 @@
+//! Harmonic free energies and sensitivities against closed forms and whole runs.
+//!
+//! * A ring of C/B = 1.5 with the excess link ΔLk, x = C ΔLk/B: F(ΔLk) − F(0) = 2π²C ΔLk²/L + kT ln P(x), P = Π_{n≥2}
+//!   (1 − x²/(n² − 1)) = −2 sin(π√(1 + x²))/(πx²√(1 + x²)). Each n has its mode twice, and each Gaussian gives half a
+//!   logarithm.
+//! * A clamped straight rod under the moment M or the tension T: the ratio of its determinant to that without is the
+//!   square (two planes) of D(M)/D(0) of solutions that start from the clamp (Gelfand & Yaglom 1960, Forman 1987).
+//!   With m = ML/B: D = |½g′ − g| at 1, g = (e^{ims} − 1 − ims + m²s²/2)/(im)³; with k² = TL²/B: D = (2 − 2 cosh k +
+//!   k sinh k)/k⁴; both 1/12 at 0. The zero of the first is Greenhill's moment. For large k the slope is that of
+//!   Marko & Siggia (1995): 1 − z/L = ½ kT/√(BT).
+//!
+//!   On a mesh the short waves of its spacing do not feel what couples their planes, so that logarithms of ratios
+//!   converge as the node spacing: they are extrapolated from two meshes.
+//! * Derivatives: of energies by link 2π × the moment at the seam, by a radius the contact force; central differences
+//!   of whole runs; reciprocity of reactions.
+
+use crate::common;
+
+use common::{any_equilibrium, end_of, verify};
+use std::f64::consts::{PI, TAU};
+use supercoil::math::{Quat, Vec3};
+use supercoil::rod::{Natural, Rod, RodMesh, RodNumber, Section, Shape};
+use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Ramp, Support};
+use supercoil::solve::{Options, Solver, Status};
+use supercoil::tangent::{Contacts, Harmonic, Observable, Parameter, Tangent};
+
+const RIGID: f64 = 1e8;
+
+fn reach(solver: &mut Solver, ramps: &[Ramp]) {
+    let report = solver.step_to(ramps).unwrap();
+    assert_eq!(report.status, Status::Converged, "{ramps:?}: {}", common::history(&report));
+}
+
+/// The limit of what converges as the node spacing, from a mesh and one twice as fine.
+fn limit(of: impl Fn(usize) -> f64) -> f64 {
+    2.0 * of(64) - of(32)
+}
+
+fn harmonic(solver: &mut Solver, contacts: Contacts) -> Harmonic {
+    Tangent::at(solver, contacts).unwrap().harmonic()
+}
+
+fn ring(excess_link: f64, elements: usize, stiff: f64) -> Solver {
+    let section = Section::isotropic(1.0, 1.5, stiff, stiff, 0.0);
+    let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+    let rod = Rod::new("ring", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap();
+    let model = Model { rods: vec![rod], contact: Contact::NONE, ..Model::default() };
+    let mut solver = Solver::new(model, any_equilibrium()).unwrap();
+    reach(&mut solver, &[Ramp::ExcessLink { rod: 0, to: excess_link }]);
+    solver
+}
+
+#[test]
+fn twisted_ring() {
+    const KT: f64 = 0.02;
+    let flat = [32, 64].map(|elements| harmonic(&mut ring(0.0, elements, RIGID), Contacts::ByLaw));
+    let names: Vec<(&str, usize)> =
+        flat[0].zero_modes.iter().map(|mode| (mode.name.as_str(), mode.dimension)).collect();
+    assert_eq!(names, [("displacement", 3), ("rotation", 3), ("spin", 1)]);
+    for (x, in_table) in [(0.25, 0.953_952), (0.5, 0.825_360), (1.0, 0.433_909), (1.5_f64, 0.091_141_1)] {
+        let root = (1.0 + x * x).sqrt();
+        let exact = -2.0 * (PI * root).sin() / (PI * x * x * root);
+        verify("ring", &format!("P({x}) in print"), exact, in_table, 1e-6);
+        let elastic = 2.0 * PI * PI * 1.5 * (x / 1.5_f64).powi(2);
+        let found = limit(|elements| {
+            let twisted = harmonic(&mut ring(x / 1.5, elements, RIGID), Contacts::ByLaw);
+            twisted.relative_to(&flat[usize::from(elements == 64)], KT).unwrap() - elastic
+        });
+        verify("ring", &format!("ln P({x})"), found / KT, exact.ln(), 1e-3 * x * x);
+    }
+}
+
+/// A straight rod between clamps, the far one free along the axis, under tension and turned until it bears a moment.
+fn clamped(tension: f64, moment: f64, elements: usize) -> Solver {
+    const TWISTING: f64 = 1.3;
+    let section = Section::isotropic(1.0, TWISTING, RIGID, RIGID, 0.0);
+    let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+    let rod = Rod::new("rod", &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
+    let end = end_of(&rod);
+    let model = Model {
+        supports: vec![
+            Support::clamp(NodeRef { rod: 0, node: 0 }),
+            Support { node: end, position: [false, true, true], rotation: [true; 3] },
+        ],
+        loads: vec![NodeLoad { node: end, force: Vec3::x() * tension, moment: Vec3::zeros() }],
+        contact: Contact::NONE,
+        rods: vec![rod],
+        ..Model::default()
+    };
+    let mut solver = Solver::new(model, any_equilibrium()).unwrap();
+    let mut state = solver.engine().state().clone();
+    let (start, last) = (state.frames[0], state.frames.len() - 1);
+    for i in 0..=last {
+        let s = i as f64 / last as f64;
+        state.positions[i] = Vec3::x() * (s * (1.0 + tension / RIGID));
+        state.frames[i] = Quat::from_scaled_axis(Vec3::x() * (s * moment / TWISTING)) * start;
+    }
+    state.load_factor = 1.0;
+    solver.set_state(state).unwrap();
+    solver
+}
+
+#[test]
+fn greenhill() {
+    let of = |m: f64, elements: usize| harmonic(&mut clamped(0.0, m, elements), Contacts::ByLaw).log_determinant;
+    for m in [2.0, 5.0, 8.0_f64] {
+        // real and imaginary parts of (im)³ g = −i m³ g and of its slope at 1
+        let (sin, cos) = m.sin_cos();
+        let (g, slope) = ([cos - 1.0 + m * m / 2.0, sin - m], [-m * sin + m * m, m * cos - m]);
+        let exact = 12.0 * (0.5 * slope[0] - g[0]).hypot(0.5 * slope[1] - g[1]) / m.powi(3);
+        let found = limit(|elements| of(m, elements) - of(0.0, elements));
+        verify("Greenhill", &format!("½ ln det, M = {m}"), 0.5 * found, exact.ln(), 1e-4 * m * m);
+    }
+}
+
+#[test]
+fn strong_stretching() {
+    let of = |tension: f64, elements: usize| {
+        0.5 * harmonic(&mut clamped(tension, 0.0, elements), Contacts::ByLaw).log_determinant
+    };
+    let exact = |k: f64| (12.0 * (2.0 - 2.0 * k.cosh() + k * k.sinh()) / k.powi(4)).ln();
+    for tension in [10.0, 100.0, 900.0_f64] {
+        let found = limit(|elements| of(tension, elements) - of(0.0, elements));
+        verify("clamped rod", &format!("½ ln det, T = {tension}"), found, exact(tension.sqrt()), 2e-5 * tension);
+    }
+    // 1 − z/L over kT = ∂F/∂T/kT, of a rod without ends but for a part in 3/k
+    let slope = limit(|elements| (of(925.0, elements) - of(875.0, elements)) / 50.0);
+    let exact = 0.5 / 900.0_f64.sqrt();
+    verify("strong stretching, TL²/B = 900", "1 − z/L over kT", slope, exact, 0.12 * exact);
+}
+
+#[test]
+fn link_and_stiffness_of_a_ring() {
+    let link = 0.4;
+    let mut solver = ring(link, 24, 1e5);
+    let mut tangent = Tangent::at(&mut solver, Contacts::ByLaw).unwrap();
+    let to = [Parameter::Link { rod: 0 }, Parameter::parse(&Model::default(), "twisting").unwrap()];
+    let energy = tangent.gradient(&Observable::Energy, &to).unwrap();
+    let seam = TAU * tangent.value(&Observable::SeamMoment { rod: 0 }).unwrap();
+    verify("ring", "dE/dLk = 2πM", energy[0], seam, 1e-6 * seam);
+    verify("ring", "dE/dLk", energy[0], 4.0 * PI * PI * 1.5 * link, 2e-6 * seam);
+    verify("ring", "dE/dC", energy[1], 2.0 * PI * PI * link * link, 1e-6);
+    let moment = tangent.gradient(&Observable::SeamMoment { rod: 0 }, &to).unwrap();
+    verify("ring", "dM/dLk", moment[0], TAU * 1.5, 1e-6);
+    verify("ring", "dM/dC", moment[1], TAU * link, 1e-6);
+    let twist = tangent.gradient(&Observable::Twist { rod: 0 }, &to).unwrap();
+    verify("ring", "dTw/dLk", twist[0], 1.0, 1e-6);
+}
+
+/// A curved cantilever under a dead load.
+fn cantilever() -> Solver {
+    let section = Section { bending: [1.0, 1.4], ..Section::isotropic(1.0, 0.8, 1e4, 1e4, 0.0) };
+    let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+    let natural = Natural::Uniform { kappa: [0.3, 0.8, 0.5] };
+    let rod = Rod::new("rod", &shape, RodMesh::open(12, 3), section, natural).unwrap();
+    let mut options = any_equilibrium();
+    options.newton.tol_increment = 1e-9;
+    let mut solver = Solver::new(common::cantilever(rod, Vec3::new(1.0, -2.0, 0.7), Vec3::zeros()), options).unwrap();
+    reach(&mut solver, &[Ramp::Load { to: 1.0 }]);
+    solver
+}
+
+/// Every kind of number against whole runs.
+#[test]
+fn cantilever_against_whole_runs() {
+    use RodNumber::{Bending1, Bending2, Curvature1, Length, Shearing1, Stretching, Twist, Twisting};
+    let mut solver = cantilever();
+    let end = end_of(&solver.engine().model().rods[0]);
+    let start = NodeRef { rod: 0, node: 0 };
+    let numbers = [Bending1, Bending2, Curvature1, Length, Shearing1, Stretching, Twist, Twisting];
+    let mut to: Vec<Parameter> = numbers.map(|which| Parameter::Number { rod: 0, which: vec![which] }).to_vec();
+    to.push(Parameter::Load);
+    to.push(Parameter::Displacement { node: start, direction: Vec3::y() });
+    to.push(Parameter::Rotation { node: start, axis: Vec3::z() });
+    let of = [
+        Observable::Energy,
+        Observable::Twist { rod: 0 },
+        Observable::Extension { rod: 0 },
+        Observable::Position { node: end, axis: 1 },
+        Observable::Reaction { node: start, component: 5 },
+    ];
+    let mut found = Vec::new();
+    let mut tangent = Tangent::at(&mut solver, Contacts::ByLaw).unwrap();
+    of.iter().for_each(|of| found.push(tangent.gradient(of, &to).unwrap()));
+    let value = |solver: &mut Solver| -> Vec<f64> {
+        let mut tangent = Tangent::at(solver, Contacts::ByLaw).unwrap();
+        of.iter().map(|of| tangent.value(of).unwrap()).collect()
+    };
+    for (k, parameter) in to.iter().enumerate() {
+        let (ramp, step): (Box<dyn Fn(f64) -> Ramp>, f64) = match parameter {
+            Parameter::Number { rod, which } => {
+                let (rod, which) = (*rod, which[0]);
+                let here = solver.engine().model().rods[rod].number(which);
+                (Box::new(move |by| Ramp::Number { rod, which, to: here + by }), 1e-3 * here)
+            }
+            Parameter::Load => (Box::new(|by| Ramp::Load { to: 1.0 + by }), 1e-3),
+            Parameter::Displacement { node, direction } => {
+                let (node, direction) = (*node, *direction);
+                (Box::new(move |by| Ramp::Displacement { node, to: direction * by }), 1e-3)
+            }
+            Parameter::Rotation { node, axis } => {
+                let (node, axis) = (*node, *axis);
+                (Box::new(move |by| Ramp::Rotation { node, axis, to: by }), 2e-4)
+            }
+            _ => unreachable!(),
+        };
+        let mut at = |by: f64| {
+            reach(&mut solver, &[ramp(by * step)]);
+            value(&mut solver)
+        };
+        let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(&mut at);
+        at(0.0);
+        for (i, of) in of.iter().enumerate() {
+            let exact = (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * step);
+            verify(
+                "cantilever",
+                &format!("d {of:?} / d {parameter:?}"),
+                found[i][k],
+                exact,
+                1e-6 * exact.abs().max(1e-2),
+            );
+        }
+    }
+}
+
+/// Two rods that cross, clamped at their ends; those of the upper one are lowered until it presses on the lower one.
+fn crossed(law: ContactLaw) -> Solver {
+    let rod = |name: &str, start: Vec3, direction: Vec3, radius: f64| {
+        let section = Section::isotropic(1.0, 0.8, 1e5, 1e5, radius);
+        let shape = Shape::Line { start, direction, length: 1.0 };
+        Rod::new(name, &shape, RodMesh::open(15, 3), section, Natural::Straight).unwrap()
+    };
+    let low = rod("low", Vec3::new(-0.5, 0.0, 0.0), Vec3::x(), 0.02);
+    let high = rod("high", Vec3::new(0.03, -0.45, 0.05), Vec3::y(), 0.03);
+    let last = low.num_nodes() - 1;
+    let ends = [(0, 0), (0, last), (1, 0), (1, last)].map(|(rod, node)| NodeRef { rod, node });
+    let supports = ends.map(Support::clamp).to_vec();
+    let mut options = Options::default();
+    options.newton.tol_increment = 1e-9;
+    let model = Model { rods: vec![low, high], supports, contact: Contact { law }, ..Model::default() };
+    let mut solver = Solver::new(model, options).unwrap();
+    let lower = |node: NodeRef, by: f64| Ramp::Displacement { node, to: Vec3::z() * -by };
+    reach(&mut solver, &[lower(ends[2], 0.05), lower(ends[3], 0.06)]);
+    solver
+}
+
+fn against_runs(name: &str, law: ContactLaw, contacts: Contacts, tolerance: f64) {
+    let mut solver = crossed(law);
+    let last = solver.engine().model().rods[0].num_nodes() - 1;
+    let (node, other) = (NodeRef { rod: 1, node: 0 }, NodeRef { rod: 0, node: last });
+    let radius = Parameter::Number { rod: 0, which: vec![RodNumber::ContactRadius] };
+    let bending = Parameter::Number { rod: 1, which: vec![RodNumber::Bending2] };
+    let to = [radius, bending, Parameter::Displacement { node, direction: Vec3::z() }];
+    let of = [
+        Observable::Energy,
+        Observable::ContactForce,
+        Observable::Reaction { node: other, component: 2 },
+        Observable::Position { node: NodeRef { rod: 0, node: last / 2 }, axis: 2 },
+    ];
+    let mut tangent = Tangent::at(&mut solver, contacts).unwrap();
+    let found: Vec<Vec<f64>> = of.iter().map(|of| tangent.gradient(of, &to).unwrap()).collect();
+    let force = tangent.value(&Observable::ContactForce).unwrap();
+    if contacts == Contacts::Locked {
+        verify(name, "dE/dε = force", found[0][0], force, 1e-4 * force);
+    }
+    let value = |solver: &mut Solver| -> Vec<f64> {
+        let mut tangent = Tangent::at(solver, contacts).unwrap();
+        of.iter().map(|of| tangent.value(of).unwrap()).collect()
+    };
+    let ramp = |k: usize, by: f64| match k {
+        0 => Ramp::Number { rod: 0, which: RodNumber::ContactRadius, to: 0.02 + by },
+        1 => Ramp::Number { rod: 1, which: RodNumber::Bending2, to: 1.0 + by },
+        _ => Ramp::Displacement { node, to: Vec3::z() * (-0.05 + by) },
+    };
+    for (k, step) in [1e-4, 1e-2, 1e-3].into_iter().enumerate() {
+        let mut at = |by: f64| {
+            reach(&mut solver, &[ramp(k, by * step)]);
+            value(&mut solver)
+        };
+        let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(&mut at);
+        at(0.0);
+        for (i, of) in of.iter().enumerate() {
+            let exact = (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * step);
+            verify(name, &format!("d {of:?} / d {:?}", to[k]), found[i][k], exact, tolerance * exact.abs().max(1e-2));
+        }
+    }
+}
+
+#[test]
+fn crossed_rods_under_a_penalty_against_whole_runs() {
+    against_runs("crossed rods, penalty", ContactLaw::Penalty { stiffness: 0.05 }, Contacts::ByLaw, 1e-5);
+}
+
+#[test]
+fn crossed_rods_in_hard_contact_against_whole_runs() {
+    let law = ContactLaw::AugmentedLagrangian { stiffness: 1e3, tol_penetration: 1e-9 };
+    against_runs("crossed rods, hard contact", law, Contacts::Locked, 1e-4);
+}
+
+/// Reactions by displacements are a symmetric matrix (Maxwell & Betti), with contact.
+#[test]
+fn reciprocity() {
+    let mut solver = crossed(ContactLaw::AugmentedLagrangian { stiffness: 1e3, tol_penetration: 1e-9 });
+    let last = solver.engine().model().rods[0].num_nodes() - 1;
+    let (low, high) = (NodeRef { rod: 0, node: 0 }, NodeRef { rod: 1, node: last });
+    for contacts in [Contacts::ByLaw, Contacts::Locked, Contacts::Free] {
+        let mut tangent = Tangent::at(&mut solver, contacts).unwrap();
+        let mut of = |node: NodeRef, moved: NodeRef| {
+            let to = Parameter::Displacement { node: moved, direction: Vec3::z() };
+            tangent.gradient(&Observable::Reaction { node, component: 2 }, &[to]).unwrap()[0]
+        };
+        let [there, back] = [of(low, high), of(high, low)];
+        verify("crossed rods", &format!("reciprocity, {contacts:?}"), there, back, 1e-7 * back.abs() + 1e-9);
+        assert!(contacts == Contacts::Free || back.abs() > 1.0, "{back}");
+    }
+}
+
+/// A cantilever above a table, its end pressed down on it, in the plane, at thermal energies where the end leaves the
+/// table now and then: the variance of its middle lies between those with contact locked and free. The independent
+/// one is that of a Metropolis chain of 60 segments with a hard table; it turns all that follows a hinge.
+#[test]
+fn a_chain_on_a_table_fluctuates_between_the_bounds() {
+    const KT: f64 = 0.003;
+    let (height, load, radius) = (0.1, 0.6, 0.01);
+    let section = Section::isotropic(1.0, 1.0, 1e5, 1e5, radius);
+    let shape = Shape::Line { start: Vec3::y() * (height + radius), direction: Vec3::x(), length: 1.0 };
+    let rod = Rod::new("rod", &shape, RodMesh::open(20, 3), section, Natural::Straight).unwrap();
+    let end = end_of(&rod);
+    let plane = supercoil::scene::Plane { name: "table".to_owned(), point: Vec3::zeros(), normal: Vec3::y() };
+    let model = Model {
+        supports: vec![Support::clamp(NodeRef { rod: 0, node: 0 })],
+        loads: vec![NodeLoad { node: end, force: Vec3::y() * -load, moment: Vec3::zeros() }],
+        contact: Contact { law: ContactLaw::AugmentedLagrangian { stiffness: 1.0, tol_penetration: 1e-8 } },
+        planes: vec![plane],
+        planar: true,
+        rods: vec![rod],
+        ..Model::default()
+    };
+    let mut solver = Solver::new(model, Options::default()).unwrap();
+    reach(&mut solver, &[Ramp::Load { to: 1.0 }]);
+    let middle = Observable::Position { node: NodeRef { rod: 0, node: 30 }, axis: 1 };
+    let variance = |solver: &mut Solver, contacts: Contacts| {
+        Tangent::at(solver, contacts).unwrap().covariance(std::slice::from_ref(&middle), KT).unwrap()[(0, 0)]
+    };
+    let [locked, free] = [Contacts::Locked, Contacts::Free].map(|contacts| variance(&mut solver, contacts));
+    // of a cantilever, and of a propped one, under a force in the middle
+    verify("cantilever on a table", "free over kT L³/24B", free / (KT / 24.0), 1.0, 0.02);
+    verify("cantilever on a table", "locked over kT 7L³/768B", locked / (KT * 7.0 / 768.0), 1.0, 0.02);
+    let [mean, error] = chain_variance(KT, height, load);
+    println!("chain: {mean:.4e} ± {error:.1e}, locked {locked:.4e}, free {free:.4e}");
+    assert!(mean - 3.0 * error > locked && mean + 3.0 * error < free, "{locked} {mean} ± {error} {free}");
+    assert!(error < 0.05 * mean);
+}
+
+/// Variance of the middle of a chain of 60 segments, and its error from ten parts.
+fn chain_variance(kt: f64, height: f64, load: f64) -> [f64; 2] {
+    const COUNT: usize = 60;
+    let mut random = crate::random::Random::of(7, 0);
+    let size = 1.0 / COUNT as f64;
+    let mut points: Vec<[f64; 2]> = (0..=COUNT).map(|k| [k as f64 * size, height]).collect();
+    let mut hinges = [0.0; COUNT];
+    // the clamp is half a segment from the first hinge's neighbour
+    let stiffness = |k: usize| if k == 0 { 2.0 / size } else { 1.0 / size };
+    let mut parts = Vec::new();
+    for part in 0..=10 {
+        let (mut sum, mut squares, moves) = (0.0, 0.0, 200_000);
+        for _ in 0..moves {
+            let k = random.below(COUNT as u64) as usize;
+            let angle = 0.25 * random.unit() * kt.sqrt() * 2.0;
+            let (sin, cos) = angle.sin_cos();
+            let pivot = points[k];
+            let turned = |p: &[f64; 2]| {
+                let [x, y] = [p[0] - pivot[0], p[1] - pivot[1]];
+                [pivot[0] + cos * x - sin * y, pivot[1] + sin * x + cos * y]
+            };
+            let after = hinges[k] + angle;
+            let bending = 0.5 * stiffness(k) * (after * after - hinges[k] * hinges[k]);
+            let fall = turned(&points[COUNT])[1] - points[COUNT][1];
+            let accepts = random.between(0.0, 1.0) < (-(bending + load * fall) / kt).exp();
+            if accepts && points[k + 1..].iter().all(|p| turned(p)[1] >= 0.0) {
+                points[k + 1..].iter_mut().for_each(|p| *p = turned(p));
+                hinges[k] = after;
+            }
+            let y = points[COUNT / 2][1];
+            sum += y;
+            squares += y * y;
+        }
+        // the first part is forgotten
+        if part > 0 {
+            let mean = sum / moves as f64;
+            parts.push(squares / moves as f64 - mean * mean);
+        }
+    }
+    let mean = parts.iter().sum::<f64>() / parts.len() as f64;
+    let spread = parts.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (parts.len() - 1) as f64;
+    [mean, (spread / parts.len() as f64).sqrt()]
+}

@@ -1,0 +1,128 @@
+//! Softest modes against closed forms.
+//!
+//! Columns: length 1, B = 1 about both axes, C = 1.3, stretch and shear stiffness 1e8 B/L², a dead compression P;
+//! pinned (turning freely across the axis) or clamped, the far end free to move along the axis. λ = (nπ)⁴ − P (nπ)²
+//! for n half waves of a pinned one (Euler), λ = β⁴ with cos β cosh β = 1 of a clamped one without load; each twice.
+//! 32 cubic elements. A rope that hangs from a pin in the plane under its weight w, B = 1e-7 wL³: λ = w j²/4L for the
+//! zeros j of the Bessel function J₀ (D. Bernoulli). A ring of C/B = 1.5 with the excess link ΔLk: the product of the
+//! four eigenvalues of n waves, over that of the ring without link, is (1 − x²/(n² − 1))², x = C ΔLk/B, whatever the
+//! masses; the softest is zero at Michell's √3.
+
+use crate::common;
+
+use common::{any_equilibrium, end_of, verify};
+use supercoil::math::Vec3;
+use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
+use supercoil::scene::{Contact, LineLoad, Model, NodeLoad, NodeRef, Ramp, Support};
+use supercoil::solve::{Solver, Status};
+use supercoil::tangent::{Contacts, Tangent};
+
+const RIGID: f64 = 1e8;
+
+fn line(bending: f64, stiff: f64, elements: usize) -> Rod {
+    let section = Section::isotropic(bending, 1.3 * bending, stiff, stiff, 0.0);
+    let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+    Rod::new("rod", &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap()
+}
+
+/// At rest under the loads of a model.
+fn at_rest(model: Model) -> Solver {
+    let mut options = any_equilibrium();
+    options.newton.tol_increment = 1e-12;
+    let mut solver = Solver::new(model, options).unwrap();
+    let report = solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
+    assert_eq!(report.status, Status::Converged);
+    solver
+}
+
+fn column(compression: f64, rotation: [bool; 3]) -> Solver {
+    let rod = line(1.0, RIGID, 32);
+    let end = end_of(&rod);
+    let supports = vec![
+        Support { node: NodeRef { rod: 0, node: 0 }, position: [true; 3], rotation },
+        Support { node: end, position: [false, true, true], rotation },
+    ];
+    let loads = vec![NodeLoad { node: end, force: Vec3::x() * -compression, moment: Vec3::zeros() }];
+    at_rest(Model { rods: vec![rod], supports, loads, contact: Contact::NONE, ..Model::default() })
+}
+
+fn eigenvalues(solver: &mut Solver, count: usize) -> Vec<f64> {
+    Tangent::at(solver, Contacts::ByLaw).unwrap().modes(count).unwrap().eigenvalues().collect()
+}
+
+#[test]
+fn pinned_column() {
+    for compression in [0.0, 5.0, 12.0] {
+        let mut solver = column(compression, [true, false, false]);
+        let found = eigenvalues(&mut solver, 6);
+        for (k, found) in found.iter().enumerate() {
+            let q = (k / 2 + 1) as f64 * std::f64::consts::PI;
+            let exact = q.powi(4) - compression * q * q;
+            verify(&format!("pinned column, P = {compression}"), &format!("mode {k}"), *found, exact, 2e-5 * q.powi(4));
+        }
+        let mut tangent = Tangent::at(&mut solver, Contacts::ByLaw).unwrap();
+        assert_eq!(tangent.num_unstable(), if compression > 10.0 { 2 } else { 0 });
+        let modes = tangent.modes(1).unwrap();
+        assert!(modes.modes.iter().all(|mode| mode.participation.bend > 0.9999));
+    }
+}
+
+#[test]
+fn clamped_column() {
+    let found = eigenvalues(&mut column(0.0, [true; 3]), 4);
+    for (k, beta) in [4.730_040_744_863_f64, 7.853_204_624_096].into_iter().enumerate() {
+        for found in &found[2 * k..2 * k + 2] {
+            verify("clamped column", &format!("mode {}", k + 1), *found, beta.powi(4), 2e-5 * beta.powi(4));
+        }
+    }
+}
+
+#[test]
+fn hanging_rope() {
+    let bending = 1e-7;
+    // so stiff that its stretch is a millionth, and so soft that this is known to some digits
+    let mut rod = line(bending, 1e6, 40);
+    let turn = supercoil::math::Quat::from_scaled_axis(Vec3::z() * -std::f64::consts::FRAC_PI_2);
+    rod.positions.iter_mut().for_each(|r| *r = turn * *r);
+    rod.frames.iter_mut().for_each(|q| *q = turn * *q);
+    let supports =
+        vec![Support { node: NodeRef { rod: 0, node: 0 }, position: [true; 3], rotation: [true, true, false] }];
+    let line_loads = vec![LineLoad { rod: 0, force: -Vec3::y(), moment: Vec3::zeros() }];
+    let model =
+        Model { rods: vec![rod], supports, line_loads, planar: true, contact: Contact::NONE, ..Model::default() };
+    let mut solver = at_rest(model);
+    let found = Tangent::at(&mut solver, Contacts::ByLaw).unwrap().vibrations(3, &[2.0]).unwrap();
+    for (mode, j) in found.modes.iter().zip([2.404_825_557_7, 5.520_078_110_3, 8.653_727_912_9]) {
+        let exact = j * j / 4.0 / 2.0;
+        verify("hanging rope of density 2", "ω²", mode.eigenvalue, exact, 2e-4 * exact);
+    }
+}
+
+fn ring(excess_link: f64) -> Solver {
+    let section = Section::isotropic(1.0, 1.5, RIGID, RIGID, 0.0);
+    let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+    let rod = Rod::new("ring", &shape, RodMesh::closed(24, 3), section, Natural::Straight).unwrap();
+    let model = Model { rods: vec![rod], contact: Contact::NONE, ..Model::default() };
+    let mut solver = Solver::new(model, any_equilibrium()).unwrap();
+    let report = solver.step_to(&[Ramp::ExcessLink { rod: 0, to: excess_link }]).unwrap();
+    assert_eq!(report.status, Status::Converged);
+    solver
+}
+
+#[test]
+fn twisted_ring() {
+    let product = |values: &[f64]| values.iter().product::<f64>();
+    let flat = eigenvalues(&mut ring(0.0), 8);
+    for x in [0.25, 0.5, 1.0, 1.5_f64] {
+        let found = eigenvalues(&mut ring(x / 1.5), 8);
+        for (n, modes) in [(2, 0..4), (3, 4..8_usize)] {
+            let ratio = product(&found[modes.clone()]) / product(&flat[modes]);
+            let exact = (1.0 - x * x / f64::from(n * n - 1)).powi(2);
+            verify(&format!("twisted ring, x = {x}"), &format!("{n} waves"), ratio, exact, 1e-4);
+        }
+    }
+    let softest = |x: f64| eigenvalues(&mut ring(x / 1.5), 1)[0];
+    let [below, above] = [1.73, 1.734].map(softest);
+    let zero = 1.73 + 0.004 * below / (below - above);
+    verify("twisted ring", "x of the softest mode's zero", zero, 3.0_f64.sqrt(), 1e-4);
+}
