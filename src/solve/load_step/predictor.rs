@@ -3,7 +3,7 @@
 //! The prediction is a polynomial through the last two or three states in the exponential coordinates of SE(3): each node
 //! moves from its last pose along a screw whose velocity and rotation vector are polynomials. Their parameter is the
 //! prescribed change: states count as long as their controls (seams, turns, displacements and poses of supports, load
-//! factor, pressures, heights of planes) lie on one line with the target. So predictions do not depend on stages, and
+//! factor, pressures, placements of obstacles) lie on one line with the target. So predictions do not depend on stages, and
 //! single steps are predicted like those of a run. The prescribed spin of frames is removed first, so that only the
 //! response of the rods is extrapolated.
 //!
@@ -22,6 +22,7 @@ use crate::math::quaternion::{exp, rotation_of, rotation_vector, spin};
 use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Mat3, Quat, Vec3};
+use crate::scene::{ObstacleNumber, Placement};
 use crate::solve::measures::{ARC, FARTHEST, FINE, MAX_ROUNDS};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, seam_shares, spin_shares};
@@ -54,7 +55,9 @@ impl Visited {
         all.extend(posed.flat_map(|(node, by)| (0..6).map(|k| ((5, *node, k), by[k / 3][k % 3])).collect::<Vec<_>>()));
         all.insert((3, 0, 0), state.load_factor);
         all.extend(state.pressures.iter().enumerate().map(|(rod, pressure)| ((4, rod, 0), *pressure)));
-        all.extend(state.plane_heights.iter().enumerate().map(|(plane, height)| ((6, plane, 0), *height)));
+        let numbers = |placement: &Placement| ObstacleNumber::ALL.map(|which| placement.get(which));
+        let placed = state.placements.iter().map(numbers).enumerate();
+        all.extend(placed.flat_map(|(k, numbers)| (0..numbers.len()).map(move |i| ((6, k, i), numbers[i]))));
         all.extend(state.numbers.iter().map(|((rod, which), value)| ((7, *rod, *which as usize), *value)));
         all
     }

@@ -7,7 +7,7 @@ mod loads;
 
 pub(in crate::solve) use elements::symmetric;
 
-use crate::contact::potential::plane::PlaneContact;
+use crate::contact::potential::surface::SurfaceContact;
 use crate::contact::potential::{ContactPair, Request};
 use crate::error::SolveError;
 use crate::rod::element::Strain;
@@ -58,8 +58,8 @@ pub(crate) struct Residual {
     pub(crate) rounding: f64,
     /// Where there is contact.
     pub(crate) contact_pairs: Vec<ContactPair>,
-    /// Where there is contact with planes.
-    pub(crate) plane_contacts: Vec<PlaneContact>,
+    /// Where there is contact with obstacles.
+    pub(crate) surface_contacts: Vec<SurfaceContact>,
     /// Gradient of the contact potential alone.
     pub(crate) contact_gradient: Vec<f64>,
     /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting
