@@ -33,6 +33,7 @@ mod intrinsic_curvature;
 mod lateral_buckling;
 mod lee_frame;
 mod michell_zajac;
+mod obstacles;
 mod path_corners;
 mod planar_touch;
 mod planes;
