@@ -101,7 +101,7 @@ fn a_post_turned_to_a_place_is_a_post_moved_there() {
     // from the lowest point of a circle of radius 1
     let displaced = format!("displacement = [{:?}, {:?}, 0]", -sin, 1.0 - cos - 0.3);
     let ends: Vec<Observation> = [
-        format!("[[stages]]\nramp = {{ obstacle = {{ turns = -0.05, displacement = [0, -0.3, 0] }} }}\nsteps = 4\n"),
+        "[[stages]]\nramp = { obstacle = { turns = -0.05, displacement = [0, -0.3, 0] } }\nsteps = 4\n".to_owned(),
         format!("[[stages]]\nramp = {{ obstacle = {{ {displaced} }} }}\nsteps = 4\n"),
     ]
     .iter()

@@ -65,7 +65,7 @@ fn a_ring_about_a_growing_cylinder_is_stretched_evenly() {
 
 #[test]
 fn a_rope_over_a_pulley_lifts_off_where_its_curvature_says() {
-    let (bending, weight, radius) = (0.2, 2.0, 0.02);
+    let (bending, weight, radius) = (0.2_f64, 2.0, 0.02);
     let rho = 1.0 + radius;
     let text = format!(
         "planar = true\n[[rods]]\nname = \"rope\"\nshape = {{ kind = \"line\", start = [-4.3, {rho:?}, 0], length = 8.6 }}\n\
