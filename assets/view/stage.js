@@ -8,8 +8,8 @@ const MAX_SPANS = 200000;
 const MAX_TRIANGLES = 2500000;
 /** Half the angle of the stripe, rad, as in the pictures. */
 const STRIPE_ANGLE = 0.3;
-/** Colour of the planes' grids: seen on light and on dark, without hiding the rods. */
-const PLANE = [150, 156, 168];
+/** Colour of the obstacles' lines: seen on light and on dark, without hiding the rods. */
+const OBSTACLE = [150, 156, 168];
 /** Arrow of the largest force, in radii of the thickest rod. */
 const ARROW = 4.5;
 /** More arrows than this hide the rods: they are not shown until asked for. */
@@ -203,7 +203,7 @@ function upload() {
   gl.bufferData(gl.ARRAY_BUFFER, nodes.data, gl.DYNAMIC_DRAW);
   gl.bindBuffer(gl.ARRAY_BUFFER, stage.forces);
   gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(film.frames[view.frame].forces.flat()), gl.DYNAMIC_DRAW);
-  const grid = planeGrid(view.frame);
+  const grid = obstacleLines(view.frame);
   gl.bindBuffer(gl.ARRAY_BUFFER, stage.grid);
   gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(grid.flat()), gl.DYNAMIC_DRAW);
   const beyond = grid.reduce((most, end) => Math.max(most, Math.hypot(...end)), nodes.reach);
@@ -211,10 +211,11 @@ function upload() {
   Object.assign(stage, { shown: view.frame, current: { ...nodes, data: null, spans, beyond } });
 }
 
-/** Ends of the lines of all planes in a frame. */
-function planeGrid(index) {
-  const { heights } = film.frames[index];
-  return film.grid.flatMap(({ plane, ends }) => ends.map((end) => add(end, scaled(film.normals[plane], heights[plane]))));
+/** Ends of the lines of all obstacles in a frame, whose images are rows of A and b: x goes to A x + b. */
+function obstacleLines(index) {
+  const { images } = film.frames[index];
+  const image = (rows, end) => rows.map((row) => row[0] * end[0] + row[1] * end[1] + row[2] * end[2] + row[3]);
+  return film.lines.flatMap(({ obstacle, ends }) => ends.map((end) => image(images[obstacle], end)));
 }
 
 /** Sets what an input of a program reads: `size` numbers `offset` numbers into records of `stride`. */
@@ -321,12 +322,12 @@ function drawForces(lens, aspect) {
   release(inputs);
 }
 
-/** Draws the planes after all else, behind what is nearer. They leave no depth, so that they neither cast nor take shade. */
-function drawPlanes(lens, aspect) {
+/** Draws the obstacles after all else, behind what is nearer. They leave no depth, so that they neither cast nor take shade. */
+function drawObstacles(lens, aspect) {
   if (film.grid.length === 0) return;
   const which = use(stage.line, lens, aspect);
   const { inputs, uniforms } = which;
-  surface(which, PLANE, false);
+  surface(which, OBSTACLE, false);
   gl.uniform1f(uniforms.stripeAngle, -1);
   gl.bindBuffer(gl.ARRAY_BUFFER, stage.grid);
   input(inputs.pointA, 3, 3, 0, false);
@@ -356,7 +357,7 @@ function draw(background) {
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   drawRods(lens, aspect, 1.3 / (LENS * height) * ratio);
   drawForces(lens, aspect);
-  drawPlanes(lens, aspect);
+  drawObstacles(lens, aspect);
   gl.bindFramebuffer(gl.READ_FRAMEBUFFER, stage.many);
   gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, stage.one);
   gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT, gl.NEAREST);

@@ -74,7 +74,7 @@ fn circle() -> Result<Film, Box<dyn Error>> {
         units: Units { length: "nm".to_owned(), force: "pN".to_owned() },
         rods: vec![FilmRod { name: "dna".to_owned(), closed: true }],
         frames: vec![Frame { rods: vec![rod], ..Frame::default() }],
-        planes: Vec::new(),
+        obstacles: Vec::new(),
         table: FilmTable { columns, rows: vec![ring.row().to_vec()] },
         plots,
         note: NOTE.to_owned(),

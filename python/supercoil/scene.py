@@ -128,6 +128,21 @@ class Plane:
 
 
 @dataclass(kw_only=True)
+class Obstacle:
+    """A rigid cylinder or sphere without friction. ``shape``: ``"cylinder"``, about the ``axis`` through ``point`` [L], or
+    ``"sphere"``, about ``point``; ``radius`` [L]; ``side``: where rods are, ``"outside"`` or ``"inside"``. ``hinge``:
+    ``{"through": […], "axis": […]}``, the line about which stages turn it. Several need names."""
+
+    shape: Literal["cylinder", "sphere"]
+    radius: float
+    point: Vector | None = None
+    axis: Vector | None = None
+    side: Literal["outside", "inside"] | None = None
+    hinge: Table | None = None
+    name: str | None = None
+
+
+@dataclass(kw_only=True)
 class Stage:
     """What moves, in so many ``steps``. All targets are absolute and all ramps of a stage move together.
 
@@ -136,7 +151,8 @@ class Stage:
     [x, y, z], "quaternion": [w, x, y, z]}`` and what else the key takes in scene files. ``rotation``: ``{"at": …, "axis":
     […], "turns": …}``. ``displacement``: ``{"at": …, "to": [x, y, z]}`` [L]. ``load``: the factor of all loads.
     ``section``: ``{"bending": …, "twisting": …, "contact_radius": …}`` and ``natural``: ``{"curvature": [k1, k2], "twist":
-    k3}`` [1/L]. ``binding``: 0 to 1, the part of the natural state of a table or of bound proteins. Lists of tables move
+    k3}`` [1/L]. ``obstacle``: ``{"name": …, "radius": …,
+    "displacement": […], "turns": …}``. ``binding``: 0 to 1, the part of the natural state of a table or of bound proteins. Lists of tables move
     several nodes or rods.
 
     ``hold`` and ``release``: supports that are there from this stage on, or no longer: :class:`Support` objects.
@@ -151,6 +167,7 @@ class Stage:
     load: float | None = None
     pressure: float | Table | list[Table] | None = None
     plane: float | Table | list[Table] | None = None
+    obstacle: Table | list[Table] | None = None
     pose: Table | list[Table] | None = None
     sigma: float | Table | list[Table] | None = None
     link: float | Table | list[Table] | None = None
@@ -198,6 +215,7 @@ class Scene:
         loads: Sequence[Load] = (),
         line_loads: Sequence[LineLoad] = (),
         planes: Sequence[Plane] = (),
+        obstacles: Sequence[Obstacle] = (),
         contact: Table | None = None,
         solver: Table | None = None,
         fidelity: Literal["draft", "balanced", "reference"] | None = None,
@@ -224,6 +242,7 @@ class Scene:
             "loads": list(loads),
             "line_loads": list(line_loads),
             "planes": list(planes),
+            "obstacles": list(obstacles),
             "contact": contact,
             "solver": solver,
             "output": output,
@@ -721,6 +740,7 @@ class Solver:
         sigma: float | Table | list[Table] | None = None,
         link: float | Table | list[Table] | None = None,
         plane: float | Table | list[Table] | None = None,
+        obstacle: Table | list[Table] | None = None,
         section: Table | list[Table] | None = None,
         length: float | Table | list[Table] | None = None,
         natural: Table | list[Table] | None = None,
@@ -740,6 +760,7 @@ class Solver:
             sigma=sigma,
             link=link,
             plane=plane,
+            obstacle=obstacle,
             section=section,
             length=length,
             natural=natural,

@@ -178,9 +178,11 @@ class State:
         return self._link_number("writhe")
 
     @property
-    def plane_reactions(self) -> list[dict[str, Any]]:
-        """What each plane exerts: ``plane`` (index), ``displacement`` [L], ``force`` along its normal [F]."""
-        return list(self.observation["plane_reactions"])
+    def obstacle_reactions(self) -> list[dict[str, Any]]:
+        """What each plane, cylinder and sphere exerts: ``obstacle`` (index, planes first), ``placement`` (``level``, of a plane its
+        displacement along its normal, of others the radius [L]; ``displacement`` [L], ``turns``), ``force``, the integral of the
+        pressure [F], ``force_on_rods`` [F]."""
+        return list(self.observation["obstacle_reactions"])
 
     @property
     def reactions(self) -> list[dict[str, Any]]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import supercoil
-from supercoil import InputError, LineLoad, Load, Plane, Rod, Scene, Stage, SupercoilError, Support, contact
+from supercoil import InputError, LineLoad, Load, Obstacle, Plane, Rod, Scene, Stage, SupercoilError, Support, contact
 from supercoil._inputs import schema
 
 ROOT = Path(__file__).parents[2]
@@ -50,8 +50,8 @@ def test_planes_push_rods() -> None:
     ]
     stage = Stage(plane={"name": "upper", "to": 0.1}, steps=2)
     state = Scene(ring, planes=planes, stages=stage, planar=True).run().state
-    lower, upper = state.plane_reactions
-    assert upper["displacement"] == 0.1 and lower["force"] == pytest.approx(upper["force"], rel=1e-6)
+    lower, upper = state.obstacle_reactions
+    assert upper["placement"]["level"] == 0.1 and lower["force"] == pytest.approx(upper["force"], rel=1e-6)
     # F = δ B / (R³ (π/4 − 2/π)) of a ring that is hardly pressed
     assert lower["force"] == pytest.approx(0.1 / (np.pi / 4 - 2 / np.pi), rel=0.1)
 
@@ -177,6 +177,7 @@ KEYS = {
     Load: ("LoadText", set()),
     LineLoad: ("LineLoadText", set()),
     Plane: ("PlaneText", set()),
+    Obstacle: ("ObstacleText", set()),
 }
 
 

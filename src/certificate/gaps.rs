@@ -1,7 +1,7 @@
 //! Gaps of the elements' own centreline, by a search of its own.
 //!
 //! ```text
-//! gap = |r(s) − r(t)| − ε_a − ε_b      at its local minima over s and t; of a plane n·(r(s) − p) − height − ε
+//! gap = |r(s) − r(t)| − ε_a − ε_b      at its local minima over s and t; at obstacles the distance of r(s) from the surface, less ε
 //! ```
 //!
 //! r is the polynomial of the element, which carries the energy, in arcs that turn so little that two of them have one nearest
@@ -16,6 +16,7 @@
 use std::collections::HashMap;
 
 use super::arcs::{Arc, Arcs};
+use super::obstacles::at_obstacle;
 use super::{Check, Subject};
 use crate::math::{Vec3, parallel};
 use crate::scene::ContactLaw;
@@ -33,6 +34,12 @@ const TOL_STEP: f64 = 1e-9;
 const LEVEL: f64 = 1e-7;
 /// Accuracy of gaps, in radii of the thinnest rod.
 const TOL_GAP: f64 = 1e-10;
+/// Points of an arc among which the nearest to an obstacle is looked for, because arcs turn by little.
+const POINTS: usize = 8;
+/// Width of an interval, as a parameter of an arc, in which the nearest point is known, because gaps are known to its square.
+const TOL_PLACE: f64 = 1e-6;
+/// Part of an interval that golden sections leave.
+const GOLDEN: f64 = 0.618_033_988_749_895;
 /// Overlap, in radii of the thinnest rod, that no mesh explains: drafts have .02.
 const MOST_BESIDE: f64 = 0.05;
 
@@ -229,14 +236,16 @@ pub(crate) fn gaps(subject: &Subject, arcs: &Arcs) -> (Option<OwnGap>, Option<Ch
             nearest = Some(OwnGap { gap, accuracy: TOL_GAP * least, rods: [a.rod, b.rod], arcs: at });
         }
     }
-    for (plane, height) in model.planes.iter().zip(&state.plane_heights) {
+    for (obstacle, placement) in model.obstacles.iter().zip(&state.placements) {
+        let at = at_obstacle(obstacle, placement);
         for arc in &arcs.all {
-            let (t, distance) = lowest(arc, &plane.normal, &plane.point);
+            let (t, gap) = lowest(&|t| at(&arc.point(t)).0);
             let place = || {
                 let at = arc.arc[0] + t * arc.arc[1];
-                format!("rod \"{}\" at arc {at:.4} and plane \"{}\"", model.rods[arc.rod].name, plane.name)
+                let names = [&model.rods[arc.rod].name, &obstacle.name];
+                format!("rod \"{}\" at arc {at:.4} and {} \"{}\"", names[0], obstacle.kind(), names[1])
             };
-            take(distance - height - arc.radius, arc.beside, &place);
+            take(gap - arc.radius, arc.beside, &place);
         }
     }
     let (overlap, tol, detail) = worst;
@@ -253,13 +262,17 @@ fn allowed(law: &ContactLaw, penetration: f64) -> f64 {
     }
 }
 
-/// Parameter of the point of an arc that is lowest above a plane, and its height \[L\].
-fn lowest(arc: &Arc, normal: &Vec3, point: &Vec3) -> (f64, f64) {
-    let [c1, c2, c3] = arc.c.map(|c| normal.dot(&c));
-    let height = |t: f64| normal.dot(&(arc.point(t) - point));
-    // roots of c1 + 2 c2 t + 3 c3 t²
-    let root = (c2 * c2 - 3.0 * c1 * c3).max(0.0).sqrt();
-    let q = -(c2 + root.copysign(c2));
-    let places = [0.0, 1.0, q / (3.0 * c3), c1 / q].into_iter().filter(|t| (0.0..=1.0).contains(t));
-    places.map(|t| (t, height(t))).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, f64::INFINITY))
+/// Place and value of the minimum of a function on \[0, 1\]: the lowest of some points, then golden sections about it.
+fn lowest(f: &dyn Fn(f64) -> f64) -> (f64, f64) {
+    let at = |k: usize| k as f64 / POINTS as f64;
+    let mut best =
+        (0..=POINTS).map(|k| (at(k), f(at(k)))).fold((0.0, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a });
+    let (mut low, mut high) = ((best.0 - at(1)).max(0.0), (best.0 + at(1)).min(1.0));
+    while high - low > TOL_PLACE {
+        let [a, b] = [1.0 - GOLDEN, GOLDEN].map(|part| low + part * (high - low));
+        let [left, right] = [(a, f(a)), (b, f(b))];
+        best = [left, right].into_iter().fold(best, |best, new| if new.1 < best.1 { new } else { best });
+        (low, high) = if left.1 < right.1 { (low, b) } else { (a, high) };
+    }
+    best
 }

@@ -15,6 +15,7 @@ mod arcs;
 mod balance;
 mod gaps;
 mod normals;
+mod obstacles;
 mod strains;
 mod supports;
 
@@ -94,8 +95,8 @@ pub(crate) enum Counterpart {
     Strand { rod: usize, arc: [f64; 2] },
     /// The strand of the entry before.
     Opposite,
-    /// A plane: its index.
-    Plane(usize),
+    /// An obstacle: its index.
+    Obstacle(usize),
 }
 
 /// Force and moment of a support on a node, as reported.

@@ -15,6 +15,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::arcs::{Arc, Arcs};
+use super::obstacles::at_obstacle;
 use super::{Check, ContactForce, Counterpart, Subject, Worst};
 use crate::math::Vec3;
 
@@ -46,8 +47,9 @@ pub(super) fn check(subject: &Subject, arcs: &Arcs) -> Option<Check> {
         let cone = match at.partner {
             Counterpart::Strand { rod, arc } => Cone::of_strands(arcs, at, (rod, arc)),
             Counterpart::Opposite => continue,
-            Counterpart::Plane(plane) => {
-                Some(Cone { axis: subject.model.planes[plane].normal.normalize(), angle: 0.0 })
+            Counterpart::Obstacle(k) => {
+                let (obstacle, placement) = (&subject.model.obstacles[k], &subject.state.placements[k]);
+                Cone::at_obstacle(arcs, at, at_obstacle(obstacle, placement))
             }
         };
         let off = beyond(at, cone.as_ref()) * at.force.norm() / largest;
@@ -72,9 +74,31 @@ impl Cone {
         let near = |rod: usize, arc: [f64; 2]| (arcs.along(rod, arc, 1.0), arcs.tips(rod));
         all.add(&arcs.along(at.rod, at.arc, 0.0), &near(rod, arc), 1.0);
         all.add(&arcs.along(rod, arc, 0.0), &near(at.rod, at.arc), -1.0);
+        all.cone()
+    }
+
+    /// Of an obstacle, towards the strand.
+    fn at_obstacle(arcs: &Arcs, at: &ContactForce, normal: impl Fn(&Vec3) -> (f64, Vec3)) -> Option<Self> {
+        let mut all = Normals::default();
+        for arc in arcs.along(at.rod, at.arc, 0.0) {
+            // a curved surface is seen from the element in another direction than from a smooth curve
+            let of_points = [0.0, 0.5, 1.0].map(|t| normal(&arc.point(t)).1);
+            let bent = of_points[0].angle(&of_points[2]) / (arc.end() - arc.from).norm();
+            all.uncertain = all.uncertain.max(bent * arc.beside);
+            all.normals.extend(of_points);
+        }
+        let turns = all.normals.windows(2).map(|pair| pair[0].angle(&pair[1]));
+        all.between = turns.fold(0.0, f64::max);
+        all.cone()
+    }
+}
+
+impl Normals {
+    fn cone(&self) -> Option<Cone> {
+        let all = self;
         let axis = all.normals.iter().sum::<Vec3>().try_normalize(0.0)?;
         let spread = all.normals.iter().map(|normal| normal.angle(&axis)).fold(0.0, f64::max);
-        Some(Self { axis, angle: spread + 0.5 * all.between + all.uncertain })
+        Some(Cone { axis, angle: spread + 0.5 * all.between + all.uncertain })
     }
 }
 

@@ -10,8 +10,8 @@
 //! no system fonts are needed.
 
 pub(super) mod camera;
-pub(super) mod grid;
 mod legend;
+pub mod obstacle;
 pub(super) mod palette;
 mod pdf;
 mod plot;
@@ -26,7 +26,6 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use std::path::Path;
 
-pub use grid::DrawnPlane;
 pub use palette::{Palette, colors_by_value};
 pub use plot::{PlotSpec, Series, SeriesStyle, plot_lines};
 pub use strip::film_strip;
@@ -111,7 +110,7 @@ pub struct TubePicture {
     pub tubes: Vec<Tube>,
     /// Highlighted contact sites.
     pub spots: Vec<Spot>,
-    /// Ends \[L\] of straight pale lines one pixel wide, such as the grid of a [`DrawnPlane`]. They cast no shadow, and the
+    /// Ends \[L\] of straight pale lines one pixel wide, such as those of an [obstacle]. They cast no shadow, and the
     /// view is not fitted to them.
     pub lines: Vec<[Vec3; 2]>,
     /// Width in pixels, 1 to 20000.

@@ -15,14 +15,13 @@ use crate::math::{Quat, Vec3};
 use crate::observe::ErrorEstimate;
 use crate::observe::report::{Energies, LineSample, Linking, Observation, SiteReport};
 use crate::scene::file::{OutputChoice, PictureChoice};
-use crate::scene::{Scene, Units};
+use crate::scene::{Obstacle, Placement, Scene, Units};
 use crate::solve::NodalFields;
 use crate::tangent::Modes;
 
 use super::csv::{RodState, state_text, write_state};
 use super::detail::{every, within};
 use super::fingerprint::Fingerprint;
-use super::picture::DrawnPlane;
 use super::table::{Columns, Named, ResultantsOf, write_lines, write_resultants, write_sites};
 use super::view;
 use super::vtk::{PvdWriter, VtkRod, VtkStep, write_vtp};
@@ -135,8 +134,8 @@ struct SummaryFile<'a> {
     title: &'a str,
     units: &'a Units,
     rods: &'a [RodHead],
-    #[serde(skip_serializing_if = "<[DrawnPlane]>::is_empty")]
-    planes: &'a [DrawnPlane],
+    #[serde(skip_serializing_if = "<[Obstacle]>::is_empty")]
+    obstacles: &'a [Obstacle],
     converged: bool,
     status: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -234,7 +233,7 @@ pub struct Record {
     error_estimate: Option<ErrorEstimate>,
     modes: Option<Modes>,
     failure: Option<String>,
-    planes: Vec<DrawnPlane>,
+    obstacles: Vec<Obstacle>,
 }
 
 impl Record {
@@ -264,7 +263,7 @@ impl Record {
             output: scene.output.clone(),
             choice: scene.picture.clone(),
             planar: scene.model.planar,
-            planes: scene.model.planes.iter().map(drawn_plane).collect(),
+            obstacles: scene.model.obstacles.clone(),
             rods: scene.model.rods.iter().map(RodHead::of).collect(),
             columns: Columns::of_scene(scene),
             steps: Vec::new(),
@@ -389,10 +388,10 @@ impl Record {
         write_state(&self.dir.join(files::FINAL_STATE), &self.rod_states(&last), &self.units)?;
         self.write_resultants(&last)?;
         let lengths: Vec<f64> = (0..self.rods.len()).map(|rod| self.head(rod, last.step).length).collect();
-        let on_planes = self.steps.get(last.step).map_or(&[][..], |step| &step.plane_sites);
-        let planes: Vec<String> = self.planes.iter().map(|plane| plane.name.clone()).collect();
-        let named = Named { rods: &names, lengths: &lengths, planes: &planes, units: &self.units };
-        write_sites(&self.dir.join(files::SITES), &last.sites, on_planes, named)?;
+        let on_obstacles = self.steps.get(last.step).map_or(&[][..], |step| &step.obstacle_sites);
+        let obstacles: Vec<String> = self.obstacles.iter().map(|obstacle| obstacle.name.clone()).collect();
+        let named = Named { rods: &names, lengths: &lengths, obstacles: &obstacles, units: &self.units };
+        write_sites(&self.dir.join(files::SITES), &last.sites, on_obstacles, named)?;
         if !self.lines.is_empty() {
             write_lines(&self.dir.join(files::LINES), &self.lines, named)?;
         }
@@ -406,7 +405,7 @@ impl Record {
         if self.output.vtk && self.output.view {
             let rods: Vec<RodHead> = (0..self.rods.len()).map(|rod| self.head(rod, last.step)).collect();
             let (title, units) = (self.title.as_str(), &self.units);
-            let run = view::Parts { title, units, rods: &rods, planes: &self.planes, steps: &self.steps };
+            let run = view::Parts { title, units, rods: &rods, obstacles: &self.obstacles, steps: &self.steps };
             view::film(&self.dir, &run, view::MAX_NODES)?.save_page(&self.dir.join(files::VIEW))?;
         }
         self.last = Some(last);
@@ -439,7 +438,7 @@ impl Record {
             title,
             units,
             rods,
-            planes: &self.planes,
+            obstacles: &self.obstacles,
             converged,
             status,
             failure,
@@ -560,16 +559,9 @@ fn point_units(units: &Units) -> [(&'static str, String); 9] {
     DIMENSIONS.map(|(name, dimension)| (name, units.of(dimension)))
 }
 
-fn drawn_plane(plane: &crate::scene::Plane) -> DrawnPlane {
-    DrawnPlane { name: plane.name.clone(), point: plane.point.into(), normal: plane.normal.into() }
-}
-
-/// How far each of `count` planes has moved along its normal in a step \[L\].
-pub(super) fn plane_heights(step: &Observation, count: usize) -> Vec<f64> {
-    let of = |plane: usize| {
-        step.plane_reactions.iter().find(|told| told.plane == plane).map_or(0.0, |told| told.displacement)
-    };
-    (0..count).map(of).collect()
+/// Where obstacles are in a step.
+pub(super) fn placements(step: &Observation) -> Vec<Placement> {
+    step.obstacle_reactions.iter().map(|reaction| reaction.placement).collect()
 }
 
 /// Threads of a run that says nothing about them.

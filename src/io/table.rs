@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::observe::SNAP;
-use crate::observe::report::{LineSample, Observation, PlaneSite, RodEnds, SiteReport};
+use crate::observe::report::{LineSample, Observation, ObstacleSite, RodEnds, SiteReport};
 use crate::scene::Units;
 
 use super::csv::{Cell, columns_in, write_explained};
@@ -237,15 +237,15 @@ const SITE_COLUMNS: [[&str; 3]; 21] = [
     ["rod_a", "", "name of the first strand's rod"],
     ["from_a", "L", "arc length where contact begins on strand a"],
     ["to_a", "L", "where it ends; below from_a across the seam of a closed rod"],
-    ["rod_b", "", "name of the second strand's rod, or of the plane"],
-    ["from_b", "L", "arc length where contact begins on strand b; blank with a plane"],
+    ["rod_b", "", "name of the second strand's rod, or of the obstacle"],
+    ["from_b", "L", "arc length where contact begins on strand b; blank with an obstacle"],
     ["to_b", "L", "where it ends"],
     ["kind", "", "point or line"],
     ["length", "L", "of the contact on strand a"],
     ["pressure", "F/L", "mean contact force per length: force over length; 0 at points without a length"],
     ["gap", "L", "smallest gap: distance of the centrelines minus both radii; negative: penetration"],
     ["force", "F", "∫p ds of the contact force per length"],
-    ["angle", "degrees", "crossing angle of the strands where the gap is smallest; blank with a plane"],
+    ["angle", "degrees", "crossing angle of the strands where the gap is smallest; blank with an obstacle"],
     ["force_on_a_x", "F", FORCE_ON_A],
     ["force_on_a_y", "F", FORCE_ON_A],
     ["force_on_a_z", "F", FORCE_ON_A],
@@ -258,7 +258,7 @@ const SITE_COLUMNS: [[&str; 3]; 21] = [
 ];
 const FORCE_ON_A: &str = "contact force on strand a as a vector";
 const FOOT_A: &str = "point of the centreline of strand a where the gap is smallest";
-const FOOT_B: &str = "point of the centreline of strand b there; blank with a plane";
+const FOOT_B: &str = "point of the centreline of strand b there; blank with an obstacle";
 
 /// Columns of `lines.csv`: name, dimension, meaning.
 const LINE_COLUMNS: [[&str; 3]; 7] = [
@@ -275,18 +275,18 @@ const LINE_COLUMNS: [[&str; 3]; 7] = [
     ["gap", "L", "distance of the centrelines minus both radii; negative: penetration"],
 ];
 
-/// Names of rods and planes, lengths \[L\] of the rods, units: what files of contacts name.
+/// Names of rods and obstacles, lengths \[L\] of the rods, units: what files of contacts name.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Named<'a> {
     pub rods: &'a [String],
     pub lengths: &'a [f64],
-    pub planes: &'a [String],
+    pub obstacles: &'a [String],
     pub units: &'a Units,
 }
 
 /// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, length on rod a, mean force per length, smallest gap, force, crossing angle,
 /// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). Sites with
-/// planes follow: the plane's name in place of rod b's; no arc length, angle or foot on it. Units and meanings are in
+/// obstacles follow: the obstacle's name in place of rod b's; no arc length, angle or foot on it. Units and meanings are in
 /// `sites_columns.csv`.
 ///
 /// # Errors
@@ -294,10 +294,10 @@ pub(crate) struct Named<'a> {
 pub(crate) fn write_sites(
     path: &Path,
     sites: &[SiteReport],
-    plane_sites: &[PlaneSite],
+    obstacle_sites: &[ObstacleSite],
     named: Named,
 ) -> Result<(), InputError> {
-    let Named { rods, lengths, planes, units } = named;
+    let Named { rods, lengths, obstacles, units } = named;
     let row = |site: &SiteReport| -> Result<Vec<Cell>, InputError> {
         let strand =
             |rod: usize, arc: [f64; 2]| name_of(rods, rod).map(|name| [Cell::from(name), arc[0].into(), arc[1].into()]);
@@ -309,18 +309,18 @@ pub(crate) fn write_sites(
         cells.extend([site.force_on_a, site.feet[0], site.feet[1]].into_iter().flatten().map(Cell::from));
         Ok(cells)
     };
-    let row_of_plane = |site: &PlaneSite| -> Result<Vec<Cell>, InputError> {
+    let row_of_obstacle = |site: &ObstacleSite| -> Result<Vec<Cell>, InputError> {
         let blank = || Cell::from("");
         let length = length_of(site.arc, lengths.get(site.rod));
         let mut cells = vec![Cell::from(name_of(rods, site.rod)?), site.arc[0].into(), site.arc[1].into()];
-        cells.extend([name_of(planes, site.plane)?.into(), blank(), blank(), site.kind.as_str().into()]);
+        cells.extend([name_of(obstacles, site.obstacle)?.into(), blank(), blank(), site.kind.as_str().into()]);
         cells.extend([length, if length > 0.0 { site.force / length } else { 0.0 }].map(Cell::from));
         cells.extend([site.gap.into(), site.force.into(), blank()]);
         cells.extend([site.force_on_rod, site.nearest].into_iter().flatten().map(Cell::from));
         cells.extend([blank(), blank(), blank()]);
         Ok(cells)
     };
-    let rows = sites.iter().map(row).chain(plane_sites.iter().map(row_of_plane));
+    let rows = sites.iter().map(row).chain(obstacle_sites.iter().map(row_of_obstacle));
     write_explained(path, &columns_in(units, &SITE_COLUMNS), rows.collect::<Result<Vec<_>, _>>()?)
 }
 
@@ -375,8 +375,8 @@ pub(super) mod tests {
             contact_gap: None,
             num_sites: 0,
             sites: Vec::new(),
-            plane_sites: Vec::new(),
-            plane_reactions: Vec::new(),
+            obstacle_sites: Vec::new(),
+            obstacle_reactions: Vec::new(),
             total_contact_force: 0.0,
             reactions: Vec::new(),
             mesh_error: 0.0,

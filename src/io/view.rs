@@ -14,9 +14,9 @@ mod run;
 mod stl;
 
 use crate::error::InputError;
-use crate::io::picture::{DrawnPlane, Palette};
+use crate::io::picture::{Palette, obstacle};
 use crate::math::{Mat3, Vec3};
-use crate::scene::Units;
+use crate::scene::{Obstacle, Placement, Units};
 
 use super::picture::camera::principal_axes;
 
@@ -35,8 +35,8 @@ pub struct Film {
     pub units: Units,
     /// The rods.
     pub rods: Vec<FilmRod>,
-    /// Planes that rods rest on.
-    pub planes: Vec<DrawnPlane>,
+    /// Rigid bodies that rods touch.
+    pub obstacles: Vec<Obstacle>,
     /// The states, in order.
     pub frames: Vec<Frame>,
     /// Numbers of all steps.
@@ -65,8 +65,8 @@ pub struct Frame {
     pub rods: Vec<FrameRod>,
     /// Contact forces \[F\] and the points they act on \[L\].
     pub forces: Vec<[Vec3; 2]>,
-    /// How far each plane has moved along its normal since the start \[L\], in the film's order.
-    pub heights: Vec<f64>,
+    /// Where the obstacles are, in the film's order.
+    pub placements: Vec<Placement>,
 }
 
 /// A rod in one state; lists have one entry per point.
@@ -179,13 +179,18 @@ impl Film {
         if quantity == Quantity::TwistRate { [-largest, largest] } else { [0.0, largest] }
     }
 
-    /// Lines of the grids of all planes at the start, each with its plane: under all frames.
-    fn grids(&self) -> Vec<(usize, [Vec3; 2])> {
+    /// The maps x ↦ A x + b that take the obstacles from the start to where they are in a frame.
+    fn images(&self, frame: &Frame) -> impl Iterator<Item = (Mat3, Vec3)> {
+        self.obstacles.iter().zip(&frame.placements).map(|(obstacle, placement)| obstacle.image(placement))
+    }
+
+    /// Lines of all obstacles at the start, each with its obstacle: along the rods of all frames.
+    fn lines(&self) -> Vec<(usize, [Vec3; 2])> {
         let points = || self.frames.iter().flat_map(|frame| &frame.rods).flat_map(|rod| &rod.points);
-        let of = |(index, plane): (usize, &DrawnPlane)| {
-            plane.grid(points(), 0.0).into_iter().map(move |line| (index, line)).collect::<Vec<_>>()
+        let of = |(index, obstacle): (usize, &Obstacle)| {
+            obstacle::lines(obstacle, points()).into_iter().map(move |line| (index, line)).collect::<Vec<_>>()
         };
-        self.planes.iter().enumerate().flat_map(of).collect()
+        self.obstacles.iter().enumerate().flat_map(of).collect()
     }
 
     /// Centre of the last frame's box; directions right, up, towards the eye of its best view, as rows; half the
@@ -215,7 +220,8 @@ impl Film {
                 if value == expected { Ok(()) } else { Err(InputError::Count { field, value, allowed }) }
             };
             count(format!("frames[{f}].rods"), frame.rods.len(), self.rods.len(), "one a rod of the film")?;
-            count(format!("frames[{f}].heights"), frame.heights.len(), self.planes.len(), "one a plane of the film")?;
+            let field = format!("frames[{f}].placements");
+            count(field, frame.placements.len(), self.obstacles.len(), "one an obstacle of the film")?;
             for (r, rod) in frame.rods.iter().enumerate() {
                 let field = |name: &str| format!("frames[{f}].rods[{r}].{name}");
                 let num = rod.points.len();

@@ -14,6 +14,7 @@ pub(crate) mod quaternion;
 pub(crate) mod random;
 pub(crate) mod screw;
 pub(crate) mod shape_functions;
+pub(crate) mod signed_distance;
 pub(crate) mod two_sum;
 
 /// Largest coordinate, radius or reach accepted, because products of three lengths must stay finite. (Squares of edges

@@ -7,7 +7,7 @@ mod end_links;
 mod error_estimate;
 mod knots;
 mod mesh;
-mod planes;
+mod obstacles;
 pub mod report;
 mod sites;
 mod start;

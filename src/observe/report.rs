@@ -1,6 +1,7 @@
 //! The report of an accepted state: plain data, serialisable, with units. [`observe`](super::observe) fills it.
 
 use crate::certificate::Certificate;
+use crate::scene::Placement;
 
 /// Energies by kind \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -132,17 +133,17 @@ pub struct LineSample {
     pub gap: f64,
 }
 
-/// A contact site of a rod with a plane.
+/// A contact site of a rod with an obstacle.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct PlaneSite {
-    /// Plane index.
-    pub plane: usize,
+pub struct ObstacleSite {
+    /// Obstacle index.
+    pub obstacle: usize,
     /// Rod index.
     pub rod: usize,
     /// Arc length interval on the rod \[L\]; on a closed rod one that ends below its start runs over the seam.
     pub arc: [f64; 2],
-    /// As between rods ([`SiteReport::kind`]), for a plane that does not bend: "line" from 4.6 (B/κ)^¼ on.
+    /// As between rods ([`SiteReport::kind`]), for an obstacle that does not bend: "line" from 4.6 (B/κ)^¼ on.
     pub kind: SiteKind,
     /// Smallest gap in it \[L\].
     pub gap: f64,
@@ -150,7 +151,7 @@ pub struct PlaneSite {
     pub force: f64,
     /// Arc length of the centre of pressure \[L\].
     pub center: f64,
-    /// Force of the plane on the rod \[F\].
+    /// Force of the obstacle on the rod \[F\].
     pub force_on_rod: [f64; 3],
     /// Its moment about `nearest` \[F·L\].
     #[cfg_attr(feature = "serde", serde(default))]
@@ -159,16 +160,18 @@ pub struct PlaneSite {
     pub nearest: [f64; 3],
 }
 
-/// Force of a plane on all rods together.
+/// Force of an obstacle on all rods together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct PlaneReaction {
-    /// Plane index.
-    pub plane: usize,
-    /// How far it has been moved along its normal since the start \[L\].
-    pub displacement: f64,
-    /// Force along its normal \[F\], never negative.
+pub struct ObstacleReaction {
+    /// Obstacle index.
+    pub obstacle: usize,
+    /// Where it is.
+    pub placement: Placement,
+    /// ∫p ds \[F\], never negative; of a plane the force along its normal.
     pub force: f64,
+    /// Its force on the rods \[F\].
+    pub force_on_rods: [f64; 3],
 }
 
 /// Force and moment a support exerts on the rod, in the global axes: a stretched rod is pulled outwards at its end.
@@ -321,7 +324,7 @@ pub struct Observation {
     /// differs from it by what the mesh does not resolve.
     #[cfg_attr(feature = "serde", serde(default))]
     pub contact_gap: Option<GapReport>,
-    /// Number of contact sites, those with planes included.
+    /// Number of contact sites, those with obstacles included.
     pub num_sites: usize,
     /// Length and contact radius of each rod.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -337,13 +340,13 @@ pub struct Observation {
     pub knots: Vec<Knot>,
     /// Contact sites; a [record](crate::io::record::Record) keeps only the strongest of each step.
     pub sites: Vec<SiteReport>,
-    /// Contact sites of rods with planes.
+    /// Contact sites of rods with obstacles.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub plane_sites: Vec<PlaneSite>,
-    /// Forces of planes, one entry a plane.
+    pub obstacle_sites: Vec<ObstacleSite>,
+    /// Forces of obstacles, one entry for each.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub plane_reactions: Vec<PlaneReaction>,
-    /// Integral of the contact pressure: sum of the forces of all sites, those with planes included \[F\].
+    pub obstacle_reactions: Vec<ObstacleReaction>,
+    /// Integral of the contact pressure: sum of the forces of all sites, those with obstacles included \[F\].
     pub total_contact_force: f64,
     /// Sum over all sites of the length of the force vector on a strand \[F\]: less than the integral if the direction
     /// of the pressure varies along a site, as in a plectoneme; otherwise an order more accurate.

@@ -116,8 +116,8 @@ impl Layer {
         (self.bending[a].min(self.bending[b]) / self.stiffness).powf(0.25)
     }
 
-    /// The same of a strand on a plane.
-    pub(super) fn width_on_plane(&self, curve: usize) -> f64 {
+    /// The same of a strand on an obstacle.
+    pub(super) fn width_on_obstacle(&self, curve: usize) -> f64 {
         (self.bending[curve] / self.stiffness).powf(0.25)
     }
 

@@ -17,9 +17,9 @@ use crate::solve::{Engine, NodalFields, Progress, Status};
 
 use super::knots;
 use super::mesh::mesh_error;
-use super::planes::{plane_reactions, plane_sites};
+use super::obstacles::{obstacle_reactions, obstacle_sites};
 use super::report::{
-    Energies, GapReport, LineSample, Observation, PlaneReaction, PlaneSite, Reaction, RodEnds, RodLink, RodSize,
+    Energies, GapReport, LineSample, Observation, ObstacleReaction, ObstacleSite, Reaction, RodEnds, RodLink, RodSize,
     SiteReport,
 };
 use super::sites::{Layer, lines, sites, spread};
@@ -75,20 +75,20 @@ pub fn observe(progress: &Progress) -> Observation {
     let engine = progress.engine;
     let residual = engine.residual(engine.state());
     let sites = sites_of(engine, &residual);
-    let plane_sites = plane_sites_of(engine, &residual);
+    let obstacle_sites = obstacle_sites_of(engine, &residual);
     let energies = energies(&residual.potential);
     let released = progress.report.energy_released;
     let least = TOL_ENERGY * energies.total + rounding_of_energy(engine);
     let energy_released = if released > least { released } else { 0.0 };
     let reactions = reactions(engine, &residual);
-    let (mut certificate, gap) = certificate(progress, (&sites, &plane_sites), &reactions, &energies);
+    let (mut certificate, gap) = certificate(progress, (&sites, &obstacle_sites), &reactions, &energies);
     let (min_gap, contact_gap) = (gap.map(gap_report), contact_gap(engine));
     let (links, linking, knots) =
         (links(engine, &residual), knots::linking(engine), knots::knots(engine, contact_gap.as_ref()));
     let (kept, changed) = topology::kept(progress, &links, &linking, &knots);
     certificate.checks.extend(kept);
     certificate.checks.extend(stability(progress));
-    let forces = || sites.iter().map(|site| site.force).chain(plane_sites.iter().map(|site| site.force));
+    let forces = || sites.iter().map(|site| site.force).chain(obstacle_sites.iter().map(|site| site.force));
     let resultants = || sites.iter().map(|site| Vec3::from(site.force_on_a).norm());
     let (at_end, overlaps) = overlaps(progress, min_gap.as_ref(), &certificate);
     let status = match progress.report.status {
@@ -110,14 +110,14 @@ pub fn observe(progress: &Progress) -> Observation {
         knots,
         min_gap,
         contact_gap,
-        num_sites: sites.len() + plane_sites.len(),
+        num_sites: sites.len() + obstacle_sites.len(),
         total_contact_force: forces().fold(0.0, |sum, force| sum + force),
         contact_resultants: resultants()
-            .chain(plane_sites.iter().map(|site| site.force))
+            .chain(obstacle_sites.iter().map(|site| Vec3::from(site.force_on_rod).norm()))
             .fold(0.0, |sum, force| sum + force),
-        plane_reactions: plane_reactions_of(engine, &residual),
+        obstacle_reactions: obstacle_reactions_of(engine, &residual),
         sites,
-        plane_sites,
+        obstacle_sites,
         reactions,
         certificate,
         mesh_error: mesh_error(engine, residual.potential.elastic[2..].iter().sum()),
@@ -132,7 +132,7 @@ pub fn observe(progress: &Progress) -> Observation {
 /// What holds of the state with these contact forces and reactions.
 fn certificate(
     progress: &Progress,
-    (sites, plane_sites): (&[SiteReport], &[PlaneSite]),
+    (sites, obstacle_sites): (&[SiteReport], &[ObstacleSite]),
     reactions: &[Reaction],
     energies: &Energies,
 ) -> (Certificate, Option<OwnGap>) {
@@ -145,12 +145,12 @@ fn certificate(
         let partner = Counterpart::Strand { rod: site.rod_b, arc: site.arc_b };
         [strand(site.rod_a, site.arc_a, 1.0, partner), strand(site.rod_b, site.arc_b, -1.0, Counterpart::Opposite)]
     });
-    let on_planes = plane_sites.iter().map(|site| {
+    let on_obstacles = obstacle_sites.iter().map(|site| {
         let [force, moment, at] = [site.force_on_rod, site.moment_on_rod, site.nearest].map(Vec3::from);
-        let partner = Counterpart::Plane(site.plane);
+        let partner = Counterpart::Obstacle(site.obstacle);
         ContactForce { rod: site.rod, arc: site.arc, force, moment, at, partner, carried: site.force }
     });
-    let contact: Vec<ContactForce> = strands.chain(on_planes).collect();
+    let contact: Vec<ContactForce> = strands.chain(on_obstacles).collect();
     let of_support = |at: &Reaction| SupportForce {
         node: NodeRef { rod: at.rod, node: at.node },
         force: at.force.into(),
@@ -228,15 +228,14 @@ fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
         .map_or_else(Vec::new, |side| sites(&side.set, &residual.contact_pairs, &side.rods, &layer(engine, side)))
 }
 
-fn plane_sites_of(engine: &Engine, residual: &Residual) -> Vec<PlaneSite> {
+fn obstacle_sites_of(engine: &Engine, residual: &Residual) -> Vec<ObstacleSite> {
     engine.contact.as_ref().map_or_else(Vec::new, |side| {
-        plane_sites(&side.set, &side.planes, &residual.plane_contacts, &side.rods, &layer(engine, side))
+        obstacle_sites(&side.set, &residual.surface_contacts, &side.rods, &layer(engine, side))
     })
 }
 
-fn plane_reactions_of(engine: &Engine, residual: &Residual) -> Vec<PlaneReaction> {
-    let of = |side| plane_reactions(side, &residual.plane_contacts);
-    engine.contact.as_ref().map_or_else(Vec::new, |side| of(&side.planes))
+fn obstacle_reactions_of(engine: &Engine, residual: &Residual) -> Vec<ObstacleReaction> {
+    obstacle_reactions(&engine.state().placements, &residual.surface_contacts)
 }
 
 fn layer(engine: &Engine, side: &ContactSide) -> Layer {

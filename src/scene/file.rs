@@ -11,7 +11,7 @@ mod help;
 mod knots;
 mod memory;
 mod mesh;
-mod planes;
+mod obstacles;
 mod poses;
 mod reference;
 mod section;

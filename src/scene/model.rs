@@ -3,13 +3,15 @@
 
 mod carried;
 mod check;
-mod plane;
+mod obstacle;
 mod pose;
 
 use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
 
-pub use plane::Plane;
+#[cfg(feature = "solver")]
+pub(crate) use obstacle::Push;
+pub use obstacle::{Hinge, Obstacle, ObstacleNumber, Placement, Side, Skeleton};
 #[cfg(feature = "solver")]
 pub(crate) use pose::RemainingPath;
 pub use pose::{Pose, PosePath};
@@ -290,11 +292,14 @@ pub enum Ramp {
         /// Factor at the end of the stage.
         to: f64,
     },
-    /// Moves a plane along its normal, and rods with it that it pushes.
-    Plane {
-        /// Index of the plane.
-        plane: usize,
-        /// Total displacement at the end of the stage since the start of the run \[L\]; positive towards the rods.
+    /// A number of an obstacle, with rods moving that it pushes: its radius, a component of its displacement, its turns about its
+    /// hinge; of a plane how far it is moved along its normal, positive towards the rods.
+    Obstacle {
+        /// Index of the obstacle.
+        obstacle: usize,
+        /// The number.
+        which: ObstacleNumber,
+        /// Value at the end of the stage; of displacements and turns since the start of the run.
         to: f64,
     },
     /// A number of a rod: contact radius, length, stiffness, natural curvature or twist. A change of length or natural
@@ -352,8 +357,8 @@ pub struct Model {
     pub line_loads: Vec<LineLoad>,
     /// Load factor at the start of a run.
     pub load: f64,
-    /// Planes that rods may rest on.
-    pub planes: Vec<Plane>,
+    /// Rigid bodies that rods touch.
+    pub obstacles: Vec<Obstacle>,
     /// Contact choice.
     pub contact: Contact,
     /// Screened repulsion of all rods that take part in contact, in addition to contact.

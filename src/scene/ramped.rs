@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 
-use super::model::{Model, NodeRef, Ramp, Stage};
+use super::model::{Model, NodeRef, ObstacleNumber, Ramp, Stage};
 use crate::rod::RodNumber;
 
 /// A prescribed quantity along the path.
@@ -76,8 +76,15 @@ fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
             let axis = |k: usize| (format!("{place}_displaced_{}", ["x", "y", "z"][k]), "L", 0.0, to[k]);
             moved.into_iter().map(axis).collect()
         }
-        Ramp::Plane { plane, to } => {
-            vec![(format!("{}_displaced", model.planes[*plane].name), "L", 0.0, *to)]
+        Ramp::Obstacle { obstacle, which, to } => {
+            let obstacle = &model.obstacles[*obstacle];
+            let (what, unit) = match which {
+                ObstacleNumber::Level if obstacle.is_plane() => ("displaced".to_owned(), "L"),
+                ObstacleNumber::Level => ("radius".to_owned(), "L"),
+                ObstacleNumber::Displacement(k) => (format!("displaced_{}", ["x", "y", "z"][*k]), "L"),
+                ObstacleNumber::Turns => ("turned".to_owned(), "turns"),
+            };
+            vec![(format!("{}_{what}", obstacle.name), unit, obstacle.start().get(*which), *to)]
         }
         Ramp::Number { rod, which, to } => {
             vec![(of_rod(which.name(), *rod), unit_of(*which), model.rods[*rod].number(*which), *to)]

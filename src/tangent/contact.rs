@@ -14,8 +14,8 @@ use std::collections::BTreeMap;
 
 use crate::contact::chain::chains;
 use crate::contact::law::{Law, shortest_line};
-use crate::contact::potential::plane::plane_runs;
 use crate::contact::potential::second_order::gap_gradients;
+use crate::contact::potential::surface::{SurfacePiece, surface_runs};
 use crate::math::groups::Groups;
 use crate::solve::Engine;
 use crate::solve::problem::assembly::Residual;
@@ -39,11 +39,11 @@ pub enum Contacts {
     Free,
 }
 
-/// A pair of segments, the smaller index first, or a segment and a plane.
+/// A pair of segments, the smaller index first, or a segment and an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Place {
     Pair([usize; 2]),
-    Plane(usize, usize),
+    Surface(usize, usize),
 }
 
 /// A contact: its places, and whether it is a point.
@@ -101,9 +101,9 @@ fn parts(side: &ContactSide, residual: &Residual) -> Vec<Part> {
         length: chain.iter().map(|piece| piece.arcs[0][1] - piece.arcs[0][0]).sum(),
         force: chain.iter().map(|piece| piece.zone.half_force).sum(),
     };
-    let runs = plane_runs(&side.set, &residual.plane_contacts);
-    let of_run = |run: &Vec<crate::contact::potential::plane::PlanePiece>| Part {
-        places: run.iter().map(|piece| Place::Plane(piece.segment, piece.plane)).collect(),
+    let runs = surface_runs(&side.set, &residual.surface_contacts);
+    let of_run = |run: &Vec<SurfacePiece>| Part {
+        places: run.iter().map(|piece| Place::Surface(piece.segment, piece.surface)).collect(),
         length: run.iter().map(|piece| (piece.zone.u[1] - piece.zone.u[0]) * side.set.lengths[piece.segment]).sum(),
         force: run.iter().map(|piece| piece.zone.moments[0]).sum(),
     };
@@ -125,7 +125,7 @@ fn shortest(engine: &Engine, side: &ContactSide, places: &[Place]) -> f64 {
     let bending = |segment: usize| rod(segment).section.smaller_bending();
     match places[0] {
         Place::Pair([a, b]) => shortest_line(stiffness, [bending(a), bending(b)]).max(element(a)).max(element(b)),
-        Place::Plane(a, _) => shortest_line(stiffness, [bending(a), f64::INFINITY]).max(element(a)),
+        Place::Surface(a, _) => shortest_line(stiffness, [bending(a), f64::INFINITY]).max(element(a)),
     }
 }
 
@@ -134,7 +134,7 @@ pub(super) fn coupled(engine: &Engine, contacts: &[Contact]) -> Vec<Vec<usize>> 
     let Some(side) = &engine.contact else { return Vec::new() };
     let of_place = |place: &Place| match place {
         Place::Pair(pair) => pair.iter().flat_map(|&segment| side.nodes[segment]).collect::<Vec<_>>(),
-        Place::Plane(segment, _) => side.nodes[*segment].to_vec(),
+        Place::Surface(segment, _) => side.nodes[*segment].to_vec(),
     };
     contacts.iter().filter(|contact| contact.is_point).map(|c| c.places.iter().flat_map(of_place).collect()).collect()
 }
@@ -147,15 +147,17 @@ pub(super) struct GapRate {
     pub(super) stiffness: f64,
     /// The rods of the strands.
     rods: [Option<usize>; 2],
-    plane: Option<usize>,
+    /// The obstacle, and by how much a unit of its level closes the gap: 1 from outside, −1 from inside.
+    surface: Option<(usize, f64)>,
 }
 
 impl GapRate {
-    /// By how much a unit of a parameter that changes gaps closes it, unknowns fixed: a radius of a rod, the height
-    /// of a plane.
+    /// By how much a unit of a parameter that changes gaps closes it, unknowns fixed: a radius of a rod, the level of an
+    /// obstacle.
     pub(super) fn closing(&self, thicker: Option<usize>, raised: Option<usize>) -> f64 {
         let strands = self.rods.iter().filter(|rod| rod.is_some() && **rod == thicker).count();
-        strands as f64 + f64::from(u8::from(raised.is_some() && self.plane == raised))
+        let of_surface = self.surface.filter(|(surface, _)| Some(*surface) == raised);
+        strands as f64 + of_surface.map_or(0.0, |(_, closing)| closing)
     }
 }
 
@@ -174,15 +176,16 @@ pub(super) fn gap_rates(engine: &Engine, contacts: &[Contact], residual: &Residu
         let cubics = segments.map(|segment| &side.set.segments[segment]);
         rates[contact].extend(gap_gradients(term, cubics).map(|(rate, stiffness)| {
             let rate = at_nodes(&nodes, &rate);
-            GapRate { rate, stiffness, rods: segments.map(rod), plane: None }
+            GapRate { rate, stiffness, rods: segments.map(rod), surface: None }
         }));
     }
-    for contact in &residual.plane_contacts {
-        let Some(&index) = owner.get(&Place::Plane(contact.segment, contact.plane)) else { continue };
-        let (normal, nodes) = (side.planes[contact.plane].normal, side.nodes[contact.segment]);
-        rates[index].extend(contact.gap_gradients(&side.set, normal).map(|(rate, stiffness)| {
+    for contact in &residual.surface_contacts {
+        let Some(&index) = owner.get(&Place::Surface(contact.segment, contact.surface)) else { continue };
+        let (surface, nodes) = (&side.surfaces[contact.surface], side.nodes[contact.segment]);
+        rates[index].extend(contact.gap_gradients(&side.set).map(|(rate, stiffness)| {
             let rate = at_nodes(&nodes, &rate);
-            GapRate { rate, stiffness, rods: [rod(contact.segment), None], plane: Some(contact.plane) }
+            let surface = Some((contact.surface, surface.sign));
+            GapRate { rate, stiffness, rods: [rod(contact.segment), None], surface }
         }));
     }
     rates

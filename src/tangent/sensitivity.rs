@@ -10,7 +10,7 @@
 //! open or to close, the derivative holds on one side.
 //!
 //! ∂r/∂p and ∂q/∂p at fixed unknowns are central differences of fourth order of exact residuals, in which dead loads
-//! and stiffnesses are linear; motions of supports are columns of the tangent; radii and planes change gaps by as
+//! and stiffnesses are linear; motions of supports are columns of the tangent; radii and obstacles change gaps by as
 //! much as they move.
 
 use std::f64::consts::TAU;
@@ -54,10 +54,10 @@ pub enum Parameter {
         /// Rod index.
         rod: usize,
     },
-    /// Height of a plane along its normal \[L\].
-    Plane {
-        /// Plane index.
-        plane: usize,
+    /// Level of an obstacle \[L\]: the height of a plane along its normal, the radius of others.
+    Level {
+        /// Obstacle index.
+        obstacle: usize,
     },
     /// Displacement of a supported node along a direction \[L\].
     Displacement {
@@ -130,7 +130,7 @@ impl Parameter {
             Self::Number { rod, which } => !which.is_empty() && closed(*rod).is_some(),
             Self::Pressure { rod } => closed(*rod) == Some(true) && model.planar,
             Self::Link { rod } => closed(*rod) == Some(true) && !model.planar,
-            Self::Plane { plane } => *plane < model.planes.len(),
+            Self::Level { obstacle } => *obstacle < model.obstacles.len(),
             Self::Displacement { node, direction: way } | Self::Rotation { node, axis: way } => {
                 is_node(node) && is_way(way)
             }
@@ -165,7 +165,7 @@ impl Parameter {
             Self::Load => state.load_factor += by,
             Self::Pressure { rod } => state.pressures[*rod] += by,
             Self::Link { rod } => state.seams[*rod] += TAU * by,
-            Self::Plane { .. } | Self::Displacement { .. } | Self::Rotation { .. } => {}
+            Self::Level { .. } | Self::Displacement { .. } | Self::Rotation { .. } => {}
         }
         state
     }
@@ -193,11 +193,11 @@ impl Parameter {
         }
     }
 
-    /// The rod whose radius it is, or the plane whose height.
+    /// The rod whose radius it is, or the obstacle whose level.
     fn closes(&self) -> (Option<usize>, Option<usize>) {
         match self {
             Self::Number { rod, which } if which[..] == [RodNumber::ContactRadius] => (Some(*rod), None),
-            Self::Plane { plane } => (None, Some(*plane)),
+            Self::Level { obstacle } => (None, Some(*obstacle)),
             _ => (None, None),
         }
     }

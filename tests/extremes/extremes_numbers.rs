@@ -82,7 +82,7 @@ fn fields() -> Vec<Field> {
             | Ramp::Rotation { to, .. }
             | Ramp::RotationAbout { to, .. }
             | Ramp::ExcessLink { to, .. }
-            | Ramp::Plane { to, .. }
+            | Ramp::Obstacle { to, .. }
             | Ramp::Number { to, .. }
             | Ramp::Pressure { to, .. } => to,
             Ramp::Hold(_) | Ramp::Release(_) => unreachable!(),

@@ -46,7 +46,7 @@ fn planes_without_sense_are_refused() {
             &["planes[0]", "\"ring\" starts beyond it", "deep at arc "],
         ),
         ("name = \"lower\"\n", "", &["planes[0].name", "missing"]),
-        ("name = \"lower\"", "name = \"upper\"", &["planes[1].name", "no other plane has"]),
+        ("name = \"lower\"", "name = \"upper\"", &["planes[1].name", "no other plane or obstacle has"]),
         (
             "{ name = \"upper\", to",
             "{ name = \"uper\", to",
@@ -111,9 +111,9 @@ fn tables_tell_planes_forces_and_sites() {
     // pages and pictures show them
     let page = std::fs::read_to_string(dir.join("view.html")).unwrap();
     assert!(
-        page.contains("\"grid\":[{\"plane\":")
+        page.contains("\"lines\":[{\"obstacle\":")
             && page.contains("\"ends\":[[")
-            && page.contains("\"heights\":[0.0,0.2]")
+            && page.contains("\"images\":[[[1.0,0.0,0.0,0.0]")
     );
     std::fs::remove_dir_all(&dir).unwrap();
 }

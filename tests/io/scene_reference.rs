@@ -119,6 +119,24 @@ fn template(key: &Key) -> String {
         ("planes", _) => {
             ring().replace("length = 6.0", "length = 6.0, center = [0, 0, 1]") + "[[planes]]\nnormal = [0, 0, 1]\n@\n"
         }
+        ("obstacles", name) => {
+            let cylinder = ["point", "axis"].contains(&name);
+            let shape = if cylinder { "cylinder" } else { "sphere" };
+            let keys = [
+                ("shape", format!("shape = \"{shape}\"\n")),
+                ("radius", "radius = 0.2\n".to_owned()),
+                ("axis", if cylinder { "axis = [0, 0, 1]\n".to_owned() } else { String::new() }),
+            ];
+            let others: String = keys.into_iter().filter(|(key, _)| *key != name).map(|(_, text)| text).collect();
+            let center = if name == "side" { "" } else { ", center = [9, 9, 9]" };
+            let radius = if name == "side" { others.replace("0.2", "0.01") } else { others };
+            ring().replace("length = 6.0", &format!("length = 6.0{center}")) + "[[obstacles]]\n" + &radius + "@\n"
+        }
+        ("obstacles.hinge", name) => {
+            let axis = if name == "axis" { "" } else { "axis = [0, 0, 1], " };
+            ring().replace("length = 6.0", "length = 6.0, center = [9, 9, 9]")
+                + &format!("[[obstacles]]\nshape = \"sphere\"\nradius = 0.2\nhinge = {{ {axis}@ }}\n")
+        }
         ("contact", _) => ring() + "[contact]\n@\n",
         ("contact.electrostatics", "debye_length") => charged + "[contact]\nelectrostatics = { strength = 1e-3, @ }\n",
         ("contact.electrostatics", "strength") => charged + "[contact]\nelectrostatics = { debye_length = 2.0, @ }\n",
@@ -136,6 +154,13 @@ fn template(key: &Key) -> String {
         ("stages.ramp.pose", name) => {
             let place = if name == "position" { "" } else { "position = [5.5, 0, 0], " };
             clamped() + &ramp(&format!("pose = {{ at = \"end\", {place}@ }}"))
+        }
+        ("stages.ramp.obstacle", name) => {
+            let other = if name == "displacement" { "radius = 0.3" } else { "displacement = [0, 0, 0.1]" };
+            let hinge = "[[obstacles]]\nshape = \"sphere\"\nradius = 0.2\nhinge = { axis = [0, 0, 1] }\n";
+            ring().replace("length = 6.0", "length = 6.0, center = [9, 9, 9]")
+                + hinge
+                + &ramp(&format!("obstacle = {{ {other}, @ }}"))
         }
         ("stages.ramp.section", _) => ring() + &ramp("section = { @ }"),
         ("stages.follow", "max_step") => ring() + &ramp("excess_link = { to = 1.0 }") + "follow = { step = 0.05, @ }\n",
@@ -201,7 +226,7 @@ fn content(mut scene: Scene) -> String {
 }
 
 /// Defaults in words.
-const DEFAULTS_IN_WORDS: [&str; 33] = [
+const DEFAULTS_IN_WORDS: [&str; 36] = [
     "0 if a stage ramps `load`, otherwise 1",
     "needed without `braid`",
     "from `dna`, or by `distance`",
@@ -209,6 +234,9 @@ const DEFAULTS_IN_WORDS: [&str; 33] = [
     "stays",
     "the only rod",
     "the only plane",
+    "the only obstacle",
+    "that of the shape, of an only obstacle",
+    "needed for a cylinder",
     "in place",
     "as before",
     "all",

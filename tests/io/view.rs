@@ -10,11 +10,10 @@ use gltf::animation::{Interpolation, Property, util::ReadOutputs};
 use gltf::mesh::Mode;
 use gltf::{Gltf, Node, Primitive};
 use supercoil::InputError;
-use supercoil::io::picture::DrawnPlane;
 use supercoil::io::run::run_scene;
 use supercoil::io::view::{Film, FilmRod, Frame, FrameRod, GlbOptions, Quantity, of_run, write_page};
 use supercoil::math::Vec3;
-use supercoil::scene::Scene;
+use supercoil::scene::{Obstacle, Placement, Scene};
 
 /// A closed rod of `count` points on a circle of the given radius, its pressure rising along it.
 fn ring(count: usize, radius: f64) -> FrameRod {
@@ -53,20 +52,21 @@ fn primitive<'a>(node: &Node<'a>) -> Primitive<'a> {
 #[test]
 fn planes_are_grids_that_move_with_the_frames() {
     let mut film = film(40, 2);
-    film.planes = vec![DrawnPlane { name: "table".to_owned(), point: [0.0, 0.0, -0.5], normal: [0.0, 0.0, 1.0] }];
-    film.frames.iter_mut().zip([0.0, 0.25]).for_each(|(frame, height)| frame.heights = vec![height]);
+    film.obstacles = vec![Obstacle::plane("table", Vec3::new(0.0, 0.0, -0.5), Vec3::z())];
+    let at = |level: f64| Placement { level, ..Placement::default() };
+    film.frames.iter_mut().zip([0.0, 0.25]).for_each(|(frame, height)| frame.placements = vec![at(height)]);
     let file = read(&film, Quantity::Strand);
     for (node, height) in steps(&file).iter().zip([-0.5, -0.25]) {
         let grid = node.mesh().unwrap().primitives().last().unwrap();
         let seen = grid.bounding_box();
-        assert_eq!((grid.mode(), grid.material().name()), (Mode::Lines, Some("planes")));
+        assert_eq!((grid.mode(), grid.material().name()), (Mode::Lines, Some("obstacles")));
         assert_eq!([seen.min[2], seen.max[2]], [height; 2]);
         assert!(seen.min[0] < -11.5 && seen.max[1] > 11.5, "beyond the rings: {seen:?}");
     }
     let page = film.page().unwrap();
     assert!(page.contains("\"normals\":[[0.0,0.0,1.0]]") && page.contains("\"heights\":[0.25]"));
-    film.frames[0].heights.clear();
-    assert!(film.page().unwrap_err().to_string().contains("frames[0].heights"));
+    film.frames[0].placements.clear();
+    assert!(film.page().unwrap_err().to_string().contains("frames[0].placements"));
 }
 
 #[test]

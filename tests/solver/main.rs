@@ -40,6 +40,7 @@ mod light_contact;
 mod long_plectonemes;
 mod moments;
 mod natural_twist;
+mod obstacles;
 mod planar;
 mod planes;
 mod poses;

@@ -53,7 +53,7 @@ fn a_free_ring_is_lifted_by_the_floor() {
             let height = lowest(&solution, top, [x, 0.0, z]);
             assert!(height >= 0.05 * (1.0 - 2e-8), "{tilted} {steps}: {height}");
             let last = &seen[seen.len() - 1];
-            assert!(last.plane_reactions[0].force < 1e-6, "{:?}", last.plane_reactions);
+            assert!(last.obstacle_reactions[0].force < 1e-6, "{:?}", last.obstacle_reactions);
             let circle = std::f64::consts::PI;
             assert!((last.energies.total - circle).abs() < 1e-5, "{}", last.energies.total);
         }
@@ -71,7 +71,7 @@ fn the_same_bits_for_any_number_of_threads() {
         let (solution, seen) = run(&format!("{RING}{ceiling}"), &options);
         assert!(lowest(&solution, [0.0, 0.0, -0.5], [0.0, 0.0, 1.0]) >= 0.05 * (1.0 - 2e-8));
         assert!(lowest(&solution, [0.0; 3], [0.0, 0.0, -1.0]) >= 0.05 * (1.0 - 2e-8));
-        let [floor, ceiling] = &seen[seen.len() - 1].plane_reactions[..] else { panic!() };
+        let [floor, ceiling] = &seen[seen.len() - 1].obstacle_reactions[..] else { panic!() };
         assert!((floor.force - ceiling.force).abs() < 1e-5, "{floor:?} {ceiling:?}");
         let positions = solution.solver.engine().state().positions.iter().flatten().map(|x| x.to_bits());
         positions.collect::<Vec<u64>>()
@@ -107,7 +107,7 @@ fn rods_fall_onto_planes_that_carry_their_weight() {
              [[line_loads]]\nforce = [0, 0, -20]\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = {steps}\n"
         );
         let (solution, seen) = run(&text, &Options::default());
-        let reactions = &seen[seen.len() - 1].plane_reactions;
+        let reactions = &seen[seen.len() - 1].obstacle_reactions;
         let each = if reactions.len() == 2 { 20.0 / 1.6 } else { 20.0 };
         reactions.iter().for_each(|plane| assert!((plane.force - each).abs() < 1e-6, "{text}: {plane:?}"));
         // what lies flat is bent as it is by nature, or to a circle
@@ -141,7 +141,7 @@ fn a_heap_of_rods_comes_to_rest() {
         + &rod("c", [-0.3434, -0.036, 1.3], [1.0, 0.213, 0.121], "[1.0, 1.5]")
         + "[[planes]]\npoint = [0, 0, -0.05]\nnormal = [0, 0, 1]\n[[stages]]\nramp = { load = 1.0 }\n";
     let (_, seen) = run(&text, &Options::default());
-    let floor = &seen[seen.len() - 1].plane_reactions[0];
+    let floor = &seen[seen.len() - 1].obstacle_reactions[0];
     assert!((floor.force - 3.0 * 0.8 * 87.66).abs() < 1e-6, "{floor:?}");
 }
 
@@ -185,7 +185,7 @@ fn runs_among_planes_go_on_with_the_same_bits() {
     assert_eq!(kept.len(), 5);
     let resumed = go(Some(kept[2].clone()), &mut Vec::new());
     assert_eq!(resumed, whole);
-    assert_eq!(whole.plane_heights, [0.0, 1.6]);
+    assert_eq!(whole.placements.iter().map(|at| at.level).collect::<Vec<f64>>(), [0.0, 1.6]);
 }
 
 /// The end loop of a plectoneme in tweezers leans on the glass, which carries of the weight what the ends do not.
@@ -194,7 +194,9 @@ fn a_plectoneme_leans_on_the_glass() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/tweezers_on_glass.toml");
     let (solution, seen) = run(&std::fs::read_to_string(path).unwrap(), &Options::default());
     let end = &seen[seen.len() - 1];
-    let ([site], glass) = (&end.plane_sites[..], end.plane_reactions[0].force) else { panic!("{:?}", end.plane_sites) };
+    let ([site], glass) = (&end.obstacle_sites[..], end.obstacle_reactions[0].force) else {
+        panic!("{:?}", end.obstacle_sites)
+    };
     let held: f64 = end.reactions.iter().map(|reaction| reaction.force[2]).sum();
     assert!((held + glass + 0.5 - 0.4).abs() < 1e-6, "{held} {glass}");
     assert!((site.force - glass).abs() < 1e-9 && glass > 0.3, "{site:?}");

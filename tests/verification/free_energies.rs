@@ -20,7 +20,7 @@ use common::{any_equilibrium, end_of, verify};
 use std::f64::consts::{PI, TAU};
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Rod, RodMesh, RodNumber, Section, Shape};
-use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Ramp, Support};
+use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Obstacle, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
 use supercoil::tangent::{Contacts, Harmonic, Observable, Parameter, Tangent};
 
@@ -326,12 +326,12 @@ fn a_chain_on_a_table_fluctuates_between_the_bounds() {
     let shape = Shape::Line { start: Vec3::y() * (height + radius), direction: Vec3::x(), length: 1.0 };
     let rod = Rod::new("rod", &shape, RodMesh::open(20, 3), section, Natural::Straight).unwrap();
     let end = end_of(&rod);
-    let plane = supercoil::scene::Plane { name: "table".to_owned(), point: Vec3::zeros(), normal: Vec3::y() };
+    let table = Obstacle::plane("table", Vec3::zeros(), Vec3::y());
     let model = Model {
         supports: vec![Support::clamp(NodeRef { rod: 0, node: 0 })],
         loads: vec![NodeLoad { node: end, force: Vec3::y() * -load, moment: Vec3::zeros() }],
         contact: Contact { law: ContactLaw::AugmentedLagrangian { stiffness: 1.0, tol_penetration: 1e-8 } },
-        planes: vec![plane],
+        obstacles: vec![table],
         planar: true,
         rods: vec![rod],
         ..Model::default()

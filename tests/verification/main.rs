@@ -35,6 +35,7 @@ mod lateral_buckling;
 mod lee_frame;
 mod michell_zajac;
 mod modes;
+mod obstacles;
 mod path_corners;
 mod planar_touch;
 mod planes;

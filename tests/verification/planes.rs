@@ -19,7 +19,7 @@ use std::path::Path;
 use crate::common::{root, verify};
 
 use supercoil::observe::observe;
-use supercoil::observe::report::{Observation, PlaneSite, SiteKind};
+use supercoil::observe::report::{Observation, ObstacleSite, SiteKind};
 use supercoil::scene::Scene;
 use supercoil::solve::{self, Options, Status};
 
@@ -34,7 +34,7 @@ fn steps(text: &str) -> Vec<Observation> {
     let solution = solution.unwrap();
     assert_eq!(solution.status, Status::Converged, "{:?}", solution.failure.map(|failure| failure.to_string()));
     for step in &seen {
-        let deepest = step.plane_sites.iter().map(|site| -site.gap).fold(0.0, f64::max);
+        let deepest = step.obstacle_sites.iter().map(|site| -site.gap).fold(0.0, f64::max);
         assert!(deepest <= 1e-8 * step.sizes[0].contact_radius * (1.0 + 1e-6), "{deepest}");
     }
     seen
@@ -69,15 +69,15 @@ fn a_heavy_beam_lies_on_a_table_with_its_weight() {
         verify(
             "beam on a table",
             "supports and table carry",
-            held + step.plane_reactions[0].force,
+            held + step.obstacle_reactions[0].force,
             load,
             1e-7 * weight,
         );
-        let sites: f64 = step.plane_sites.iter().map(|site| site.force).sum();
-        verify("beam on a table", "sites and reaction", sites, step.plane_reactions[0].force, 1e-12 * weight);
+        let sites: f64 = step.obstacle_sites.iter().map(|site| site.force).sum();
+        verify("beam on a table", "sites and reaction", sites, step.obstacle_reactions[0].force, 1e-12 * weight);
     }
     let last = &seen[seen.len() - 1];
-    let [site] = &last.plane_sites[..] else { panic!("{:?}", last.plane_sites) };
+    let [site] = &last.obstacle_sites[..] else { panic!("{:?}", last.obstacle_sites) };
     assert_eq!(site.kind, SiteKind::Line);
     verify("beam on a table", "length of the line", site.arc[1] - site.arc[0], 1.0, 1e-12);
     // at the ends the loads of elements and the pressure are shared out to nodes in different ways, O(element), which the
@@ -108,11 +108,11 @@ fn a_heavy_beam_lifted_at_its_end_touches_down_where_theory_says() {
         // what the end carries tells the length better than where the mesh lets go
         let length = end.force[1] / (share * weight);
         verify(&case, "lifted length, by force", length, lifted, 1e-3 * lifted);
-        let touches = last.plane_sites.iter().map(|site| site.arc[1]).fold(0.0, f64::max);
+        let touches = last.obstacle_sites.iter().map(|site| site.arc[1]).fold(0.0, f64::max);
         // nodes are 1/120 apart
         verify(&case, "lifted length, by contact", 1.0 - touches, lifted, 0.01);
         let carried = weight - end.force[1] - clamped.force[1];
-        verify(&case, "table carries the rest", last.plane_reactions[0].force, carried, 1e-7 * weight);
+        verify(&case, "table carries the rest", last.obstacle_reactions[0].force, carried, 1e-7 * weight);
     }
 }
 
@@ -175,16 +175,16 @@ fn a_ring_between_plates_presses_as_the_elastica_does() {
     for (step, half_height) in seen[1..].iter().zip(heights) {
         let (force, flat) = ring_between_plates(half_height);
         let case = format!("ring between plates, Y/R = {half_height}");
-        for plane in &step.plane_reactions {
+        for plane in &step.obstacle_reactions {
             verify(&case, "force R²/B", plane.force, force, 3e-5 * force);
         }
-        let [lower, upper] =
-            [0, 1].map(|k| -> Vec<&PlaneSite> { step.plane_sites.iter().filter(|site| site.plane == k).collect() });
+        let [lower, upper] = [0, 1]
+            .map(|k| -> Vec<&ObstacleSite> { step.obstacle_sites.iter().filter(|site| site.obstacle == k).collect() });
         verify(
             &case,
             "the plates press alike",
-            step.plane_reactions[0].force,
-            step.plane_reactions[1].force,
+            step.obstacle_reactions[0].force,
+            step.obstacle_reactions[1].force,
             1e-6 * force,
         );
         if force < 0.95 * 2.786 {

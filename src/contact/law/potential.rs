@@ -32,12 +32,12 @@ pub use term::{ContactPair, PairTerm, Want, ZonePiece};
 
 mod guess;
 mod integral;
-#[cfg(feature = "solver")]
-pub(crate) mod plane;
 mod pressure;
 mod rings;
 pub(crate) mod second_order;
 pub(crate) mod stiffness;
+#[cfg(feature = "solver")]
+pub(crate) mod surface;
 mod term;
 
 /// Terms of all candidate pairs in contact, with either segment as the slave, in the order of the candidates (slave i,

@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 
-/// Colour (sRGB) of planes, because rods must stand out before them.
+/// Colour (sRGB) of obstacles, because rods must stand out before them.
 pub(in crate::io) const PALE: [u8; 3] = [196, 201, 210];
 
 /// A colour map from 0 to 1 (values of matplotlib's maps of the same name, Smith & van der Walt 2015; Moreland 2009).

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::error::InputError;
 use crate::io::picture::camera::principal_axes;
-use crate::io::picture::grid::round_below;
+use crate::io::picture::obstacle::{self, round_below};
 use crate::io::picture::{
     Palette, Picture, PlotSpec, Series, SeriesStyle, Spot, Stripe, Tube, TubePicture, View, colors_by_value,
     film_strip, plot_lines,
@@ -13,9 +13,10 @@ use crate::io::plot_run::with_jumps;
 use crate::io::table::fixed;
 use crate::math::{Mat3, Vec3};
 use crate::scene::file::ColorBy;
+use crate::scene::{Obstacle, Placement, Skeleton};
 
 use super::still::{Still, StillRod};
-use super::{Record, RecordedFrame, RodHead, files, plane_heights};
+use super::{Record, RecordedFrame, RodHead, files, placements};
 
 /// Pictures in the film strip.
 const STRIP: usize = 6;
@@ -150,8 +151,12 @@ impl Record {
             return [Vec3::x(), Vec3::y()];
         }
         let axes = best_axes(frames);
-        match self.planes.first() {
-            Some(plane) => above(plane.normal.into(), axes),
+        let normal = self.obstacles.iter().find_map(|obstacle| match obstacle.skeleton {
+            Skeleton::Plane { normal, .. } => Some(normal),
+            _ => None,
+        });
+        match normal {
+            Some(normal) => above(normal, axes),
             None => [axes.row(0).transpose(), -axes.row(1).transpose()],
         }
     }
@@ -162,7 +167,11 @@ impl Record {
         let radius = (0..self.rods.len()).map(|rod| self.head(rod, frame.step).radius()).fold(0.0, f64::max);
         let none = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
         let points = frame.rods.iter().flat_map(|rod| &rod.points).map(|point| axes * point);
-        points.fold(none, |[low, high], p| [low.inf(&p.add_scalar(-radius)), high.sup(&p.add_scalar(radius))])
+        // a plane is seen as far as rods are
+        let lines = self.lines(frame, &[frame], |obstacle| !obstacle.is_plane());
+        points
+            .chain(lines.iter().flatten().map(|end| axes * end))
+            .fold(none, |[low, high], p| [low.inf(&p.add_scalar(-radius)), high.sup(&p.add_scalar(radius))])
     }
 
     fn caption(&self, step: usize) -> String {
@@ -210,7 +219,7 @@ impl Record {
         };
         let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
         let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };
-        let (spots, lines) = (self.spots(frame), self.grids(frame, all));
+        let (spots, lines) = (self.spots(frame), self.lines(frame, all, |_| true));
         TubePicture { tubes, view, spots, lines, ..TubePicture::default() }
     }
 
@@ -223,11 +232,16 @@ impl Record {
         frame.spots.iter().map(spot).collect()
     }
 
-    /// The planes where they are in this state, below the rods of all frames.
-    fn grids(&self, frame: &Still, all: &[&Still]) -> Vec<[Vec3; 2]> {
+    /// Lines of the obstacles where they are in this state, along the rods of all frames.
+    fn lines(&self, frame: &Still, all: &[&Still], wanted: impl Fn(&Obstacle) -> bool) -> Vec<[Vec3; 2]> {
         let points = || all.iter().flat_map(|frame| &frame.rods).flat_map(|rod| &rod.points);
-        let heights = plane_heights(&self.steps[frame.step], self.planes.len());
-        self.planes.iter().zip(heights).flat_map(|(plane, height)| plane.grid(points(), height)).collect()
+        let placed = self.obstacles.iter().zip(placements(&self.steps[frame.step]));
+        let of = |(obstacle, placement): (&Obstacle, Placement)| {
+            let (matrix, shift) = obstacle.image(&placement);
+            let lines = obstacle::lines(obstacle, points());
+            lines.into_iter().map(move |ends| ends.map(|end| matrix * end + shift))
+        };
+        placed.filter(|(obstacle, _)| wanted(obstacle)).flat_map(of).collect()
     }
 
     fn write_plot(&self) -> Result<(), InputError> {

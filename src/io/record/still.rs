@@ -53,10 +53,10 @@ impl Record {
         };
         let sites = &self.steps[frame.step].sites;
         let between = sites.iter().map(|site| (self.place(site, frame), self.radius_in(site.rod_a, site.arc_a, frame)));
-        let on_planes = &self.steps[frame.step].plane_sites;
-        let on_planes =
-            on_planes.iter().map(|site| (site.nearest.into(), self.radius_in(site.rod, [site.center; 2], frame)));
-        let spots = between.chain(on_planes).collect();
+        let on_obstacles = &self.steps[frame.step].obstacle_sites;
+        let on_obstacles =
+            on_obstacles.iter().map(|site| (site.nearest.into(), self.radius_in(site.rod, [site.center; 2], frame)));
+        let spots = between.chain(on_obstacles).collect();
         Still { step: frame.step, rods: frame.rods.iter().enumerate().map(rod).collect(), spots }
     }
 

@@ -62,10 +62,10 @@ impl Columns {
         all.energies(model.electrostatics.is_some(), thermal);
         all.contact();
         all.reactions(model, stages);
-        for (index, plane) in model.planes.iter().enumerate() {
-            let meaning = "of the plane on the rods, along its normal";
-            all.add(&format!("{}_force", plane.name), "F", meaning, move |step| {
-                step.plane_reactions.get(index).map_or(Cell::Missing, |reaction| number(reaction.force))
+        for (index, obstacle) in model.obstacles.iter().enumerate() {
+            let meaning = "of the obstacle on the rods, along its normals: the integral of the pressure";
+            all.add(&format!("{}_force", obstacle.name), "F", meaning, move |step| {
+                step.obstacle_reactions.get(index).map_or(Cell::Missing, |reaction| number(reaction.force))
             });
         }
         all.knots(model);
@@ -188,7 +188,7 @@ impl Columns {
         });
         self.add("penetration", "L", "worst penetration", |step| {
             let between = step.min_gap.map_or(0.0, |gap| (-gap.lower).max(0.0));
-            number(step.plane_sites.iter().fold(between, |worst, site| worst.max(-site.gap)))
+            number(step.obstacle_sites.iter().fold(between, |worst, site| worst.max(-site.gap)))
         });
         self.add("num_sites", "", "contact sites", |step| step.num_sites.into());
         self.add("contact_force", "F", "∫p ds over all sites", |step| number(step.total_contact_force));

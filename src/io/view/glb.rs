@@ -84,8 +84,8 @@ struct GlbWriter<'a> {
     options: &'a GlbOptions,
     range: [f64; 2],
     center: Vec3,
-    /// Lines of the planes at the start.
-    grids: Vec<(usize, [Vec3; 2])>,
+    /// Lines of the obstacles at the start.
+    lines: Vec<(usize, [Vec3; 2])>,
     /// Sides of tubes; none for lines.
     sides: Option<usize>,
     root: Root,
@@ -107,12 +107,12 @@ impl<'a> GlbWriter<'a> {
             ..Material::default()
         };
         let asset = Asset { generator: Some(format!("supercoil {}", env!("CARGO_PKG_VERSION"))), ..Asset::default() };
-        let grids = film.grids();
-        let planes = (!grids.is_empty()).then_some("planes");
-        let materials = film.rods.iter().map(|rod| rod.name.as_str()).chain(planes).map(material).collect();
+        let lines = film.lines();
+        let obstacles = (!lines.is_empty()).then_some("obstacles");
+        let materials = film.rods.iter().map(|rod| rod.name.as_str()).chain(obstacles).map(material).collect();
         let root = Root { asset, materials, ..Root::default() };
         let (range, center) = (film.range(options.color), film.stage().0);
-        Self { film, options, range, center, grids, sides, root, data: Vec::new() }
+        Self { film, options, range, center, lines, sides, root, data: Vec::new() }
     }
 
     /// Adds a node with the mesh of a frame.
@@ -120,8 +120,8 @@ impl<'a> GlbWriter<'a> {
         let name = Some(format!("step {}", frame.step));
         let drawn = frame.rods.iter().enumerate().filter(|(_, rod)| rod.points.len() > 1);
         let mut primitives: Vec<Primitive> = drawn.map(|(index, rod)| self.rod(index, rod)).collect();
-        if !self.grids.is_empty() {
-            primitives.push(self.planes(frame));
+        if !self.lines.is_empty() {
+            primitives.push(self.obstacles(frame));
         }
         // a mesh needs at least one primitive
         let mesh = (!primitives.is_empty()).then(|| {
@@ -146,13 +146,14 @@ impl<'a> GlbWriter<'a> {
         self.primitive(&mesh, mode, index)
     }
 
-    /// The grids of all planes, where they are in a frame.
-    fn planes(&mut self, frame: &Frame) -> Primitive {
-        let moved = |(plane, ends): &(usize, [Vec3; 2])| {
-            let shift = Vec3::from(self.film.planes[*plane].normal) * frame.heights[*plane] - self.center;
-            ends.map(|end| end + shift)
+    /// The lines of all obstacles, where they are in a frame.
+    fn obstacles(&mut self, frame: &Frame) -> Primitive {
+        let images: Vec<_> = self.film.images(frame).collect();
+        let moved = |(obstacle, ends): &(usize, [Vec3; 2])| {
+            let (matrix, shift) = images[*obstacle];
+            ends.map(|end| matrix * end + shift - self.center)
         };
-        let positions: Vec<Vec3> = self.grids.iter().flat_map(moved).collect();
+        let positions: Vec<Vec3> = self.lines.iter().flat_map(moved).collect();
         let colors = vec![linear(PALE); positions.len()];
         let mesh = mesh::Mesh { positions, colors, ..mesh::Mesh::default() };
         self.primitive(&mesh, Mode::Lines, self.film.rods.len())

@@ -72,19 +72,23 @@ impl Film {
                 let at = at - center;
                 [at.x, at.y, at.z, force.x, force.y, force.z]
             });
+            let images = self.images(frame).map(|(matrix, shift)| {
+                let shift = matrix * center + shift - center;
+                [0, 1, 2].map(|k| [matrix[(k, 0)], matrix[(k, 1)], matrix[(k, 2)], shift[k]])
+            });
             json!({
                 "step": frame.step,
                 "counts": frame.rods.iter().map(|rod| rod.points.len()).collect::<Vec<_>>(),
                 "radii": frame.rods.iter().map(|rod| &rod.radii).collect::<Vec<_>>(),
                 "seams": frame.rods.iter().map(|rod| rod.seam_turns).collect::<Vec<_>>(),
                 "forces": forces.collect::<Vec<_>>(),
-                "heights": frame.heights,
+                "images": images.collect::<Vec<_>>(),
             })
         };
         let column = |(name, unit): &(String, String)| json!({ "name": name, "unit": unit });
-        let grid = |(plane, ends): (usize, [Vec3; 2])| {
+        let line = |(obstacle, ends): (usize, [Vec3; 2])| {
             let [from, to] = ends.map(|end| <[f64; 3]>::from(end - center));
-            json!({ "plane": plane, "ends": [from, to] })
+            json!({ "obstacle": obstacle, "ends": [from, to] })
         };
         let plot = |plot: &Plot| json!({ "x": plot.x, "y": plot.y });
         json!({
@@ -94,8 +98,7 @@ impl Film {
             "force": self.units.force,
             "rods": self.rods.iter().map(rod).collect::<Vec<_>>(),
             "frames": self.frames.iter().map(frame).collect::<Vec<_>>(),
-            "normals": self.planes.iter().map(|plane| plane.normal).collect::<Vec<_>>(),
-            "grid": self.grids().into_iter().map(grid).collect::<Vec<_>>(),
+            "lines": self.lines().into_iter().map(line).collect::<Vec<_>>(),
             "axes": rows,
             "extent": extent,
             "quantities": Quantity::ALL.map(|quantity| self.quantity(quantity)),

@@ -6,13 +6,12 @@ use serde::Deserialize;
 
 use crate::error::InputError;
 use crate::io::detail::{BLOCK, within};
-use crate::io::picture::DrawnPlane;
 use crate::io::plot_run::RunTable;
-use crate::io::record::{RodHead, VIEW, plane_heights, read_summary, step_of};
+use crate::io::record::{RodHead, VIEW, placements, read_summary, step_of};
 use crate::io::vtk::{VtkData, read_vtp};
 use crate::math::Vec3;
 use crate::observe::report::Observation;
-use crate::scene::Units;
+use crate::scene::{Obstacle, Units};
 
 use super::{Film, FilmRod, FilmTable, Frame, FrameRod, Plot};
 
@@ -31,7 +30,7 @@ struct FilmSummary {
     units: Units,
     rods: Vec<RodHead>,
     #[serde(default)]
-    planes: Vec<DrawnPlane>,
+    obstacles: Vec<Obstacle>,
     steps: Vec<Observation>,
 }
 
@@ -46,8 +45,8 @@ struct FilmSummary {
 /// [`InputError::File`] or [`InputError::Parse`] if a file is missing or damaged (a run under way has no summary yet),
 /// [`InputError::Inconsistent`] if there are no VTK files.
 pub fn of_run(dir: &Path, max_nodes: usize) -> Result<Film, InputError> {
-    let FilmSummary { title, units, rods, planes, steps } = read_summary(dir)?;
-    film(dir, &Parts { title: &title, units: &units, rods: &rods, planes: &planes, steps: &steps }, max_nodes)
+    let FilmSummary { title, units, rods, obstacles, steps } = read_summary(dir)?;
+    film(dir, &Parts { title: &title, units: &units, rods: &rods, obstacles: &obstacles, steps: &steps }, max_nodes)
 }
 
 /// Writes `view.html` into the folder of a run, as the run itself does: [`Film::page`] of [`of_run`] with at most
@@ -66,7 +65,7 @@ pub(in crate::io) struct Parts<'a> {
     pub title: &'a str,
     pub units: &'a Units,
     pub rods: &'a [RodHead],
-    pub planes: &'a [DrawnPlane],
+    pub obstacles: &'a [Obstacle],
     pub steps: &'a [Observation],
 }
 
@@ -84,8 +83,8 @@ pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<F
     let (mut frames, mut tolerance) = (Vec::new(), 0.0_f64);
     for (_, (step, path)) in shown {
         let observation = &run.steps[*step];
-        let heights = plane_heights(observation, run.planes.len());
-        let mut frame = Frame { step: *step, rods: Vec::new(), forces: forces(observation), heights };
+        let placements = placements(observation);
+        let mut frame = Frame { step: *step, rods: Vec::new(), forces: forces(observation), placements };
         for (index, data) in in_order(read_vtp(path)?, run.rods.len()).into_iter().enumerate() {
             let link = observation.links.iter().find(|link| link.rod == index);
             let (rod, left_out) = thinned(data, share, run.rods[index].radius());
@@ -99,8 +98,8 @@ pub(in crate::io) fn film(dir: &Path, run: &Parts, max_nodes: usize) -> Result<F
     let note = [certificate, reduced].join(" ").trim().to_owned();
     let head = |head: &RodHead| FilmRod { name: head.name.clone(), closed: head.closed };
     let (table, plots) = table(dir)?;
-    let (title, units, planes) = (run.title.to_owned(), run.units.clone(), run.planes.to_vec());
-    Ok(Film { title, units, rods: run.rods.iter().map(head).collect(), planes, frames, table, plots, note })
+    let (title, units, obstacles) = (run.title.to_owned(), run.units.clone(), run.obstacles.to_vec());
+    Ok(Film { title, units, rods: run.rods.iter().map(head).collect(), obstacles, frames, table, plots, note })
 }
 
 /// Steps with a VTK file, in order. Files of steps that are not in the summary are of another run and skipped.
@@ -180,8 +179,8 @@ fn forces(step: &Observation) -> Vec<[Vec3; 2]> {
         let (force, feet) = (Vec3::from(site.force_on_a), site.feet.map(Vec3::from));
         [[feet[0], force], [feet[1], -force]]
     };
-    let on_plane = |site: &crate::observe::report::PlaneSite| [site.nearest, site.force_on_rod].map(Vec3::from);
-    step.sites.iter().flat_map(of).chain(step.plane_sites.iter().map(on_plane)).collect()
+    let on_obstacle = |site: &crate::observe::report::ObstacleSite| [site.nearest, site.force_on_rod].map(Vec3::from);
+    step.sites.iter().flat_map(of).chain(step.obstacle_sites.iter().map(on_obstacle)).collect()
 }
 
 /// Note on reduced steps and nodes.

@@ -89,7 +89,7 @@ impl Resting {
         let given = Some(&self.given);
         let progress =
             Progress { given, engine: &engine, stage: 0, step: 3, fraction: 1.0, report: &report, seconds: 0.0 };
-        let sites = (&seen.sites[..], &seen.plane_sites[..]);
+        let sites = (&seen.sites[..], &seen.obstacle_sites[..]);
         let (mut certificate, _) = certificate(&progress, sites, &seen.reactions, &seen.energies);
         certificate.checks.extend(topology::kept(&progress, &seen.links, &seen.linking, &seen.knots).0);
         certificate.checks.extend(stability(&progress));

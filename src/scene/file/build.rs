@@ -11,7 +11,7 @@ use crate::math::{Quat, Vec3};
 use crate::rod::within;
 use crate::rod::{Along, Binding, Natural, Rod, RodMesh, RodNumber, Section, Shape, Stiffness};
 use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
-use crate::scene::{read_natural, smooth_points};
+use crate::scene::{Obstacle, ObstacleNumber, read_natural, smooth_points};
 
 use super::FollowChoice;
 use super::by_base_pairs::{Dna, electrostatics};
@@ -22,7 +22,7 @@ use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
 };
 use super::values::{At, NaturalText, RodNames};
-use super::{frames, gravity, memory, planes, poses, state};
+use super::{frames, gravity, memory, obstacles, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
 const ONLY_ROD: &str = "rod";
@@ -92,7 +92,7 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<(Model, Vec<Opt
         model.line_loads.extend(weight.map(|weight| LineLoad::of_force(index, weight)));
     }
     model.load = gravity::start_factor(text);
-    model.planes = planes::planes(&text.planes)?;
+    model.obstacles = obstacles::obstacles(&text.planes, &text.obstacles)?;
     model.check().map(|()| (model, base_pairs))
 }
 
@@ -142,10 +142,10 @@ pub(super) fn further_stages(
 pub(super) fn follow(text: &[StageText], model: &Model, stages: &[Stage]) -> Result<Option<FollowChoice>, InputError> {
     let Some(place) = text.iter().position(|stage| stage.follow.is_some()) else { return Ok(None) };
     let field = format!("stages[{place}].follow");
-    if !model.planes.is_empty() {
+    if !model.obstacles.is_empty() {
         return Err(InputError::inconsistent(
             field,
-            "paths of rods that may touch planes cannot be followed: remove planes",
+            "paths of rods that may touch planes or other obstacles cannot be followed: remove them",
         ));
     }
     if place + 1 < text.len() {
@@ -208,8 +208,12 @@ fn ramps(field: &str, text: &RampText, model: &Model, relaxed_links: &[Option<f6
         }
     }
     for ramp in &text.plane.0 {
-        let plane = planes::find(&model.planes, &format!("{field}.plane"), ramp.name.as_deref())?;
-        ramps.push(Ramp::Plane { plane, to: ramp.to });
+        let obstacle =
+            obstacles::find(&model.obstacles, (&format!("{field}.plane"), Obstacle::is_plane), ramp.name.as_deref())?;
+        ramps.push(Ramp::Obstacle { obstacle, which: ObstacleNumber::Level, to: ramp.to });
+    }
+    for ramp in &text.obstacle.0 {
+        ramps.extend(obstacles::ramps(&format!("{field}.obstacle"), ramp, &model.obstacles)?);
     }
     ramps.extend(text.load.map(|to| Ramp::Load { to }));
     for ramp in &text.pressure.0 {

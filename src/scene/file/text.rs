@@ -19,7 +19,7 @@ use super::{OutputChoice, PictureChoice, SolverChoice};
 
 pub(super) use rods::{DnaText, RodText, SectionText, SequenceText};
 pub(super) use shapes::ShapeText;
-pub(super) use stages::{PathText, PoseText, RampText, StageText, StagesText};
+pub(super) use stages::{ObstacleRampText, PathText, PoseText, RampText, StageText, StagesText};
 
 /// Lengths are in one unit of length \[L\], forces in one unit of force \[F\]; all angles are in turns.
 #[derive(Deserialize, JsonSchema)]
@@ -68,6 +68,9 @@ pub(super) struct SceneText {
     /// Planes that rods touch on one side.
     #[serde(default, deserialize_with = "tables")]
     pub planes: Vec<PlaneText>,
+    /// Cylinders and spheres that rods touch, from outside or from inside.
+    #[serde(default, deserialize_with = "tables")]
+    pub obstacles: Vec<ObstacleText>,
     /// Enforcement of contact.
     #[serde(default, deserialize_with = "table")]
     #[schemars(extend("x-default" = "those of its keys"))]
@@ -179,6 +182,62 @@ pub(super) struct PlaneText {
     /// Unit normal, towards the rods.
     #[schemars(extend("x-allowed" = "length 1; in the x-y plane of planar scenes"))]
     pub normal: List<f64, 3>,
+}
+
+#[derive(Deserialize, JsonSchema, serde::Serialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ShapeOfObstacle {
+    Cylinder,
+    Sphere,
+}
+
+#[derive(Deserialize, JsonSchema, serde::Serialize, Clone, Copy, Default)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum SideOfObstacle {
+    #[default]
+    Outside,
+    Inside,
+}
+
+/// A rigid body without friction, under the law of `[contact]`: a post, a pulley, a ball that rods stay outside of; a tube, a
+/// cavity that they stay inside. A cylinder has no ends.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObstacleText {
+    /// Name by which stages and reports call it.
+    #[serde(default)]
+    #[schemars(extend("x-allowed" = "unlike the others", "x-default" = "that of the shape, of an only obstacle"))]
+    pub name: String,
+    /// What it is.
+    pub shape: ShapeOfObstacle,
+    /// A point on the axis; the centre of a sphere.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "L"))]
+    pub point: List<f64, 3>,
+    /// Direction of a cylinder.
+    #[schemars(extend("x-allowed" = "not zero; along z, or in the x-y plane of the rods, in planar scenes", "x-default" = "needed for a cylinder"))]
+    pub axis: Option<List<f64, 3>>,
+    /// Radius.
+    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "> 0; more than the contact radii of rods inside"))]
+    pub radius: f64,
+    /// Where rods are.
+    #[serde(default)]
+    pub side: SideOfObstacle,
+    /// Line fixed in space about which stages turn it.
+    #[serde(default, deserialize_with = "some_table")]
+    pub hinge: Option<HingeText>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(deny_unknown_fields)]
+pub(super) struct HingeText {
+    /// A point on it.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "L"))]
+    pub through: List<f64, 3>,
+    /// Its direction.
+    #[schemars(extend("x-allowed" = "not zero; along z in planar scenes"))]
+    pub axis: List<f64, 3>,
 }
 
 #[derive(Deserialize, JsonSchema, serde::Serialize, Default)]

@@ -9,7 +9,7 @@
 use crate::error::InputError;
 use crate::math::{Mat3, Vec3};
 
-use super::Model;
+use super::{Model, Obstacle};
 
 /// Sums of forces and moments below this, over the sum of their sizes, count as rounding; deviations of forces from those
 /// that normals balance, too.
@@ -38,8 +38,9 @@ impl Model {
         };
         let touches = |rod: &usize| self.is_touchable(&self.rods[*rod]);
         let others = (0..self.rods.len()).any(|other| !body.contains(&other) && touches(&other));
-        // rods that are there may catch it: the search finds out
-        let may_be_caught = others && body.iter().any(touches);
+        let posts = self.obstacles.iter().any(|obstacle| obstacle.pushes().is_none());
+        // rods and posts that are there may catch it: the search finds out
+        let may_be_caught = (others || posts) && body.iter().any(touches);
         if let Some(way) = self.way_down(&body, factor).filter(|_| !may_be_caught) {
             let [x, y, z] = way.map(|x| (x * 1e3).round() / 1e3 + 0.0).into(); // + 0.0 turns −0 into 0
             return refuse(format!(
@@ -99,8 +100,11 @@ impl Model {
             return None;
         }
         let touches = body.iter().any(|&rod| self.is_touchable(&self.rods[rod]));
-        let normals: Vec<Vec3> =
-            if touches { self.planes.iter().map(|plane| along(&plane.normal)).collect() } else { Vec::new() };
+        let normals: Vec<Vec3> = if touches {
+            self.obstacles.iter().filter_map(Obstacle::pushes).flatten().map(|n| along(&n)).collect()
+        } else {
+            Vec::new()
+        };
         let count = normals.len();
         let mut sets = (0..count).flat_map(|i| (i..count).flat_map(move |j| (j..count).map(move |k| [i, j, k])));
         let is_carried = sets.any(|set| balances(set.map(|plane| normals[plane]), &-force));

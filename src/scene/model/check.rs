@@ -4,7 +4,7 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
 
-use super::{ContactLaw, Electrostatics, Model, NodeRef, Pose, Ramp, Stage};
+use super::{ContactLaw, Electrostatics, Model, NodeRef, ObstacleNumber, Pose, Ramp, Stage};
 
 /// Out-of-plane parts of directions and frames below this (of 1) count as rounding.
 const TOL_PLANE: f64 = 1e-9;
@@ -30,7 +30,8 @@ impl Model {
     /// finite; an illegal contact choice; joints of nodes that do not coincide, of a node with itself or another of its
     /// element, or of two charged rods; dead loads that do unbounded work on a rod, with those it is
     /// joined to: forces whose sum has a component along an axis in which no support holds it, if no planes carry it, moments about an
-    /// axis that its supports leave free; a plane whose normal is not of length 1, or which a rod starts beyond;
+    /// axis that its supports leave free; a plane whose normal is not of length 1; an axis that is zero; a
+    /// radius that is not positive, or too small for the rods inside; an obstacle which a rod starts beyond;
     /// a planar model that is not planar: rods not in one plane z = const, anisotropic sections not aligned with it,
     /// natural curvature or loads out of it.
     pub fn check(&self) -> Result<(), InputError> {
@@ -55,7 +56,7 @@ impl Model {
         }
         self.check_contact()?;
         self.check_electrostatics()?;
-        self.check_planes()?;
+        self.check_obstacles()?;
         self.joints.iter().enumerate().try_for_each(|(i, joint)| self.check_joint(&format!("joints[{i}]"), joint))?;
         if self.planar {
             self.check_planar()?;
@@ -73,7 +74,7 @@ impl Model {
     /// All that [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of no ramps; two ramps of one quantity in a stage;
     /// targets that are not finite; the excess link of an open rod or in a planar model; a rotation of a node whose
     /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; a pose of a
-    /// node that is not clamped; motions of joined nodes; a plane that there is not; a load factor without loads, or one
+    /// node that is not clamped; motions of joined nodes; an obstacle that there is not, or a radius that no rod fits in; a load factor without loads, or one
     /// that lifts a rod off the planes that carry it; pressure on anything but a closed rod of a planar model.
     pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
         // the checks of ramps assume a sound model
@@ -88,7 +89,7 @@ impl Model {
                 return Err(InputError::Count { field, value: stage.steps, allowed });
             }
             if stage.ramps.is_empty() {
-                let reason = "nothing to do: ramp at least one of excess_link, link, sigma, rotation, displacement, pose, load, pressure, plane, \
+                let reason = "nothing to do: ramp at least one of excess_link, link, sigma, rotation, displacement, pose, load, pressure, plane, obstacle, \
                      section, length, natural, or hold or release something";
                 return Err(InputError::inconsistent(format!("stages[{i}].ramp"), reason));
             }
@@ -142,7 +143,7 @@ impl Model {
             }
             Ramp::Displacement { node, to } => self.check_displaced(&field("displacement"), node, &to),
             Ramp::Pose { node, ref pose } => self.check_pose(&field("pose"), node, pose),
-            Ramp::Plane { plane, to } => self.check_lifted(&field("plane"), plane, to),
+            Ramp::Obstacle { obstacle, which, to } => self.check_moved(&field, obstacle, (which, to)),
             Ramp::Number { rod, which, to } => self.check_number_ramp(&field(which.name()), (rod, which, to), ramps),
             Ramp::Load { to } => self.check_load_factor(&field("load"), to),
             Ramp::Pressure { rod, to } => self.check_inflated(&field("pressure"), rod, to),
@@ -180,12 +181,32 @@ impl Model {
         self.check_position_held(field, node, "is displaced", [0, 1, 2].map(|k| to[k] != 0.0))
     }
 
-    fn check_lifted(&self, field: &str, plane: usize, height: f64) -> Result<(), InputError> {
-        if plane >= self.planes.len() {
-            let allowed = "the index of a plane of the model";
-            return Err(InputError::Count { field: format!("{field}.plane"), value: plane, allowed });
+    fn check_moved(
+        &self,
+        field: &dyn Fn(&str) -> String,
+        obstacle: usize,
+        (which, to): (ObstacleNumber, f64),
+    ) -> Result<(), InputError> {
+        let Some(moved) = self.obstacles.get(obstacle) else {
+            let allowed = "the index of an obstacle of the model";
+            return Err(InputError::Count { field: field("obstacle"), value: obstacle, allowed });
+        };
+        let [of_plane, of_others] = ["plane", "obstacle"].map(field);
+        match which {
+            ObstacleNumber::Level if moved.is_plane() => self.check_level(&format!("{of_plane}.to"), moved, to),
+            ObstacleNumber::Level => self.check_level(&format!("{of_others}.radius"), moved, to),
+            ObstacleNumber::Displacement(k) => {
+                let field = format!("{of_others}.displacement");
+                InputError::check(&field, to, true, "a finite displacement")?;
+                InputError::check(&field, to, !(self.planar && k == 2 && to != 0.0), "0 along z in a planar scene")
+            }
+            ObstacleNumber::Turns => {
+                let field = format!("{of_others}.turns");
+                InputError::check(&field, to, true, "a finite number of turns")?;
+                let reason = format!("\"{}\" has no hinge to turn about: give it one", moved.name);
+                if moved.hinge.is_some() { Ok(()) } else { Err(InputError::inconsistent(field, reason)) }
+            }
         }
-        InputError::check(&format!("{field}.to"), height, true, "a finite displacement")
     }
 
     fn check_number_ramp(
@@ -454,7 +475,9 @@ fn same_quantity(a: &Ramp, b: &Ramp) -> bool {
             Ramp::Displacement { node: b, .. } | Ramp::Pose { node: b, .. },
         ) => a == b,
         (Ramp::Load { .. }, Ramp::Load { .. }) => true,
-        (Ramp::Plane { plane: a, .. }, Ramp::Plane { plane: b, .. }) => a == b,
+        (Ramp::Obstacle { obstacle: a, which: x, .. }, Ramp::Obstacle { obstacle: b, which: y, .. }) => {
+            (a, x) == (b, y)
+        }
         (Ramp::Number { rod: a, which: x, .. }, Ramp::Number { rod: b, which: y, .. }) => (a, x) == (b, y),
         _ => false,
     }

@@ -9,7 +9,7 @@
 //! none: the mesh does not resolve them, and its force is reported, not released.
 
 use crate::contact::chain::{ChainPiece, chains};
-use crate::contact::potential::plane::{PlanePiece, plane_runs};
+use crate::contact::potential::surface::{SurfacePiece, surface_runs};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
@@ -34,23 +34,23 @@ pub(in crate::solve) struct Complementarity {
 struct Held {
     /// Smallest gap \[L\].
     gap: f64,
-    /// Its force as far as it counts for this strand: half of that between strands, all of that of a plane \[F\].
+    /// Its force as far as it counts for this strand: half of that between strands, all of that of an obstacle \[F\].
     force: f64,
     /// Where its offsets are.
     places: Vec<usize>,
 }
 
-/// Contacts with planes: runs of zones that go on in each other.
-fn held_by_planes<'a>(side: &'a ContactSide, residual: &'a Residual) -> impl Iterator<Item = Held> + 'a {
-    let held = |run: Vec<PlanePiece>| Held {
+/// Contacts with obstacles: runs of zones that go on in each other.
+fn held_by_surfaces<'a>(side: &'a ContactSide, residual: &'a Residual) -> impl Iterator<Item = Held> + 'a {
+    let held = |run: Vec<SurfacePiece>| Held {
         gap: run.iter().map(|piece| piece.zone.min_gap).fold(f64::INFINITY, f64::min),
         force: run.iter().map(|piece| piece.zone.moments[0]).sum(),
         places: run
             .iter()
-            .flat_map(|piece| side.nodes[piece.segment].map(|node| side.offsets.index_of_plane(node, piece.plane)))
+            .flat_map(|piece| side.nodes[piece.segment].map(|node| side.offsets.index_of_surface(node, piece.surface)))
             .collect(),
     };
-    plane_runs(&side.set, &residual.plane_contacts).into_iter().map(held)
+    surface_runs(&side.set, &residual.surface_contacts).into_iter().map(held)
 }
 
 impl Solver {
@@ -73,7 +73,7 @@ impl Solver {
             force: chain.iter().map(|link| link.zone.half_force).sum(),
             places: places(chain),
         });
-        let contacts: Vec<Held> = strands.chain(held_by_planes(side, residual)).collect();
+        let contacts: Vec<Held> = strands.chain(held_by_surfaces(side, residual)).collect();
         let mut gaps = offsets.map(|_, _| f64::INFINITY);
         for contact in &contacts {
             contact.places.iter().for_each(|&k| gaps.values[k] = gaps.values[k].min(contact.gap));

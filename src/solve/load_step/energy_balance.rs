@@ -1,7 +1,7 @@
 //! Energy balance of a load step: a snap is told by the energy that is missing.
 //!
 //! Along a branch the energy E of equilibria changes by the work of what is prescribed: dE = Σ F dλ, F = ∂E/∂λ at a
-//! fixed configuration. For turns of seams F is the twisting moment, for motions of supports the reactions, for planes
+//! fixed configuration. For turns of seams F is the twisting moment, for motions of supports the reactions, for obstacles
 //! and contact radii the contact forces, for load factors, pressures and other numbers of rods the derivative of the
 //! potential itself. Let W₀ and W₁ be the work of a step under the forces at its start and at its end. Along a smooth
 //! branch E₁ − E₀ is ½ (W₀ + W₁) but for an error of third order.
@@ -24,9 +24,11 @@
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
 
+use crate::contact::potential::surface::SurfaceZone;
 use crate::math::Vec3;
 use crate::rod::RodNumber;
 use crate::scene::ContactLaw;
+use crate::scene::model::Push;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::measures::{LAST_PLACES, ROUNDING};
 use crate::solve::problem::assembly::Residual;
@@ -56,7 +58,7 @@ pub(in crate::solve) struct Changes {
     drive: PrescribedMotion,
     /// Angles by which nodes are spun about their tangents, rad.
     spun: Vec<(usize, f64)>,
-    /// Load factor, pressures, planes and numbers before and after.
+    /// Load factor, pressures, obstacles and numbers before and after.
     from: State,
     to: State,
 }
@@ -182,7 +184,7 @@ fn work_of_motions(engine: &Engine, residual: &Residual, changes: &Changes) -> f
     seams.chain(supports).chain(spins).fold(0.0, |sum, work| sum + work)
 }
 
-/// Of planes that move and contact radii that grow: contact forces times what they close gaps by.
+/// Of obstacles that move and contact radii that grow: contact forces times what they close gaps by.
 fn work_of_contact(engine: &Engine, residual: &Residual, changes: &Changes) -> f64 {
     let Some(side) = &engine.contact else { return 0.0 };
     let growth = |segment: usize| {
@@ -194,12 +196,18 @@ fn work_of_contact(engine: &Engine, residual: &Residual, changes: &Changes) -> f
         let force = pair.zones.iter().fold(0.0, |sum, zone| sum + zone.half_force);
         force * (growth(pair.slave) + growth(pair.master))
     });
-    let planes = residual.plane_contacts.iter().map(|contact| {
-        let force = contact.zones.iter().fold(0.0, |sum, zone| sum + zone.moments[0]);
-        let height = |state: &State| state.plane_heights[contact.plane];
-        force * (growth(contact.segment) + height(&changes.to) - height(&changes.from))
+    let obstacles = residual.surface_contacts.iter().map(|contact| {
+        let (k, at) = (contact.surface, side.set.segments[contact.segment].b[0]);
+        let moved = [&changes.from.placements[k], &changes.to.placements[k]];
+        let of_zone = |zone: &SurfaceZone| {
+            let [pressure, ..] = zone.moments;
+            let push = Push { pressure, force: zone.force, torque: zone.torque, at };
+            let work = side.obstacles[k].work(&engine.state.placements[k], moved, &push);
+            pressure * growth(contact.segment) + work
+        };
+        contact.zones.iter().map(of_zone).fold(0.0, |sum, work| sum + work)
     });
-    pairs.chain(planes).fold(0.0, |sum, work| sum + work)
+    pairs.chain(obstacles).fold(0.0, |sum, work| sum + work)
 }
 
 /// Of load factors, pressures and numbers of rods: central difference of the potential at a fixed configuration.

@@ -52,8 +52,8 @@ impl Solver {
         // so little pressure that strands nearby stay apart
         let probe = law.overlap(PROBE * scale, distance);
         side.law = law;
-        let [num_nodes, num_planes] = side.size();
-        side.offsets = ContactField::uniform(num_nodes, num_planes, probe);
+        let [num_nodes, num_surfaces] = side.size();
+        side.offsets = ContactField::uniform(num_nodes, num_surfaces, probe);
         side.before = None;
         let state = self.engine.state.clone();
         self.engine.update_contact(&state)?;
@@ -100,7 +100,7 @@ impl Solver {
         let Some(side) = &mut self.engine.contact else { return Ok(None) };
         // the law's pressure opens no gap by more than this part of the contact distance
         side.law = Law::Linear { stiffness: scale / (PROBE * distance) };
-        let reach = ContactField::of_nodes(reach, side.planes.len());
+        let reach = ContactField::of_nodes(reach, side.surfaces.len());
         // pressures are not known yet: the geometric part of contact is left out
         side.before = Some((Law::Linear { stiffness: NOTHING * scale / distance }, reach));
         self.workspace.refresh(&mut self.engine, &state)?;

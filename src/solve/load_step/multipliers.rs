@@ -53,8 +53,8 @@ impl Solver {
     pub(in crate::solve) fn change_law(&mut self, law: Law, pressures: &[f64]) {
         let mut of_nodes = pressures.to_vec();
         of_nodes.resize(self.engine.num_nodes(), 0.0);
-        let num_planes = self.engine.model.planes.len();
-        self.change_law_to(law, &ContactField::of_nodes(&of_nodes, num_planes));
+        let num_surfaces = self.engine.model.obstacles.len();
+        self.change_law_to(law, &ContactField::of_nodes(&of_nodes, num_surfaces));
     }
 
     fn change_law_to(&mut self, law: Law, pressures: &ContactField) {
@@ -98,7 +98,7 @@ impl Solver {
             if touches { side.law.overlap(mean, distance) + gaps[i] } else { present[i] }
         };
         let offsets: Vec<f64> = (0..nodes).map(smooth).collect();
-        let offsets = ContactField::of_nodes(&offsets, side.planes.len());
+        let offsets = ContactField::of_nodes(&offsets, side.surfaces.len());
         side.change_law(side.law, offsets);
     }
 
@@ -148,7 +148,7 @@ impl Solver {
         ContactErrors { gaps, penetration }
     }
 
-    /// Arc length \[L\] within which an offset belongs to a contact (with a plane, without a master), and is raised and
+    /// Arc length \[L\] within which an offset belongs to a contact (with an obstacle, without a master), and is raised and
     /// lowered by its smallest gap: where the contact may still be one and the same point. In a wider window an offset
     /// would see other contacts too, not be lowered while strands touch there, and hold open strands that are apart at
     /// its own place; in a narrower one it would be raised at wave numbers q that the rods do not follow: of these an
@@ -156,7 +156,7 @@ impl Solver {
     pub(in crate::solve) fn window(&self, side: &ContactSide, slave: usize, master: Option<usize>) -> f64 {
         let rod = |segment: usize| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])];
         let (a, b) = (rod(slave), master.map(rod));
-        // planes do not bend
+        // obstacles do not bend
         let bending = [a.section.smaller_bending(), b.map_or(f64::INFINITY, |b| b.section.smaller_bending())];
         let stiffness = match side.law {
             Law::Linear { stiffness } => stiffness,

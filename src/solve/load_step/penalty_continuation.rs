@@ -81,7 +81,7 @@ impl Solver {
         }
     }
 
-    /// Contact of each segment as a slave and with planes, in the engine's state.
+    /// Contact of each segment as a slave and with obstacles, in the engine's state.
     fn overlaps(&self) -> Vec<Felt> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut felt = vec![Felt::default(); side.set.len()];
@@ -98,9 +98,9 @@ impl Solver {
                 here.depth = here.depth.max(offset[0].max(offset[1]) - zone.min_gap);
             }
         }
-        for contact in residual.plane_contacts {
+        for contact in residual.surface_contacts {
             let here = &mut felt[contact.segment];
-            let offset = side.offset_to_plane(contact.segment, contact.plane);
+            let offset = side.offset_to_surface(contact.segment, contact.surface);
             let rod = &self.engine.model.rods[self.engine.rod_of(side.nodes[contact.segment][0])];
             here.shortest_line = shortest_line(1.0, [rod.section.smaller_bending(), f64::INFINITY]);
             for zone in &contact.zones {

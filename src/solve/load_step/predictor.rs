@@ -3,7 +3,7 @@
 //! The prediction is a polynomial through the last two or three states in the exponential coordinates of SE(3): each
 //! node moves from its last pose along a screw whose velocity and rotation vector are polynomials. Their parameter is
 //! the prescribed change: states count as long as their controls (seams, turns, displacements and poses of supports,
-//! load factor, pressures, heights of planes) lie on one line with the target. So predictions do not depend on stages,
+//! load factor, pressures, placements of obstacles) lie on one line with the target. So predictions do not depend on stages,
 //! and single steps are predicted like those of a run. The prescribed spin of frames is removed first, so that only the
 //! response of the rods is extrapolated.
 //!
@@ -23,6 +23,7 @@ use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Mat3, Quat, Vec3};
 use crate::rod::RodNumber;
+use crate::scene::{ObstacleNumber, Placement};
 use crate::solve::measures::{ARC, MAX_ROUNDS};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, seam_shares, spin_shares};
@@ -63,7 +64,8 @@ enum Control {
     Pressure(usize),
     /// A component of velocity or rotation towards a pose, of a node.
     Pose(usize, usize),
-    PlaneHeight(usize),
+    /// A number of the placement of an obstacle.
+    Placement(usize, usize),
     /// Of a rod.
     Number(usize, RodNumber),
 }
@@ -86,8 +88,10 @@ impl Visited {
         );
         all.insert(Control::LoadFactor, state.load_factor);
         all.extend(state.pressures.iter().enumerate().map(|(rod, pressure)| (Control::Pressure(rod), *pressure)));
+        let numbers = |placement: &Placement| ObstacleNumber::ALL.map(|which| placement.get(which));
+        let placed = state.placements.iter().map(numbers).enumerate();
         all.extend(
-            state.plane_heights.iter().enumerate().map(|(plane, height)| (Control::PlaneHeight(plane), *height)),
+            placed.flat_map(|(k, numbers)| (0..numbers.len()).map(move |i| (Control::Placement(k, i), numbers[i]))),
         );
         all.extend(state.numbers.iter().map(|((rod, which), value)| (Control::Number(*rod, *which), *value)));
         all

@@ -205,8 +205,9 @@ impl Solver {
                 Ramp::Pose { node, pose } => self.add_pose(node_of(node), pose, take, &mut target),
                 Ramp::Load { to } => target.load_factor = Some(between(state.load_factor, *to)),
                 Ramp::Pressure { rod, to } => target.pressures.push((*rod, between(state.pressures[*rod], *to))),
-                Ramp::Plane { plane, to } => {
-                    target.plane_heights.push((*plane, between(state.plane_heights[*plane], *to)));
+                Ramp::Obstacle { obstacle, which, to } => {
+                    let now = state.placements[*obstacle].get(*which);
+                    target.placements.push((*obstacle, *which, between(now, *to)));
                 }
                 Ramp::Number { rod, which, to } => {
                     let now = self.engine.model.rods[*rod].number(*which);

@@ -42,7 +42,7 @@ impl Model {
             loads: self.loads.iter().map(|load| NodeLoad { node: node(load.node), ..*load }).collect(),
             line_loads: self.line_loads.clone(),
             load: self.load,
-            planes: self.planes.clone(),
+            obstacles: self.obstacles.clone(),
             contact: self.contact,
             electrostatics: self.electrostatics,
             planar: self.planar,

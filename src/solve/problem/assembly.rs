@@ -10,7 +10,7 @@ pub(in crate::solve) use elements::symmetric;
 pub(crate) use scatter::Places;
 pub(in crate::solve) use scatter::Sink;
 
-use crate::contact::potential::plane::PlaneContact;
+use crate::contact::potential::surface::SurfaceContact;
 use crate::contact::potential::{CandidateTerms, ContactPair, Request};
 use crate::error::SolveError;
 use crate::rod::element::{ElementOutput, ElementTangent, Strain};
@@ -61,8 +61,8 @@ pub(crate) struct Residual {
     pub(crate) rounding: f64,
     /// Where there is contact.
     pub(crate) contact_pairs: Vec<ContactPair>,
-    /// Where there is contact with planes.
-    pub(crate) plane_contacts: Vec<PlaneContact>,
+    /// Where there is contact with obstacles.
+    pub(crate) surface_contacts: Vec<SurfaceContact>,
     /// Gradient of the contact potential alone.
     pub(crate) contact_gradient: Vec<f64>,
     /// Per closed rod (per rod): derivative of the potential with respect to the seam angle \[F·L\], the twisting

@@ -47,7 +47,7 @@ impl Engine {
             && state.frames.len() == self.state.frames.len()
             && state.seams.len() == self.state.seams.len()
             && state.pressures.len() == self.state.pressures.len()
-            && state.plane_heights.len() == self.state.plane_heights.len();
+            && state.placements.len() == self.state.placements.len();
         if !fits {
             let reason = "has another number of nodes or rods than the model".to_owned();
             return Err(InputError::Inconsistent { field: "state".to_owned(), reason });

@@ -1,5 +1,5 @@
 //! Numbers of contacts at nodes: one per node, and where a node touches several strands at once, one for each of them;
-//! besides, one for each plane.
+//! besides, one for each obstacle.
 //!
 //! Where two strands touch a node, or two places of one that are apart (a knot, a ply of three), each has an entry: an
 //! interval of its arc length. A segment of a strand belongs to the entry that is nearest along its curve, so in
@@ -38,8 +38,8 @@ impl Entry {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactField {
     num_nodes: usize,
-    num_planes: usize,
-    /// Of the nodes; of the nodes towards each plane; of the entries. The number of a node that has entries is for
+    num_surfaces: usize,
+    /// Of the nodes; of the nodes towards each obstacle; of the entries. The number of a node that has entries is for
     /// whatever other strand it touches.
     pub(crate) values: Vec<f64>,
     /// Sorted by node.
@@ -48,19 +48,19 @@ pub struct ContactField {
 
 impl ContactField {
     /// The same number at all nodes.
-    pub(crate) fn uniform(num_nodes: usize, num_planes: usize, value: f64) -> Self {
-        Self::of_nodes(&vec![value; num_nodes], num_planes)
+    pub(crate) fn uniform(num_nodes: usize, num_surfaces: usize, value: f64) -> Self {
+        Self::of_nodes(&vec![value; num_nodes], num_surfaces)
     }
 
     /// The same number at all nodes and these entries.
-    pub(super) fn uniform_with(num_nodes: usize, num_planes: usize, entries: Vec<Entry>, value: f64) -> Self {
-        let count = num_nodes * (1 + num_planes) + entries.len();
-        Self { num_nodes, num_planes, values: vec![value; count], entries }
+    pub(super) fn uniform_with(num_nodes: usize, num_surfaces: usize, entries: Vec<Entry>, value: f64) -> Self {
+        let count = num_nodes * (1 + num_surfaces) + entries.len();
+        Self { num_nodes, num_surfaces, values: vec![value; count], entries }
     }
 
     /// A number per node, for all that it touches.
-    pub(crate) fn of_nodes(values: &[f64], num_planes: usize) -> Self {
-        Self { num_nodes: values.len(), num_planes, values: values.repeat(1 + num_planes), entries: Vec::new() }
+    pub(crate) fn of_nodes(values: &[f64], num_surfaces: usize) -> Self {
+        Self { num_nodes: values.len(), num_surfaces, values: values.repeat(1 + num_surfaces), entries: Vec::new() }
     }
 
     pub(crate) fn num_nodes(&self) -> usize {
@@ -69,7 +69,7 @@ impl ContactField {
 
     /// Where the numbers of entries begin.
     fn first_entry(&self) -> usize {
-        self.num_nodes * (1 + self.num_planes)
+        self.num_nodes * (1 + self.num_surfaces)
     }
 
     /// The same places, other numbers, from these and where they are.
@@ -77,10 +77,10 @@ impl ContactField {
         Self { values: self.values.iter().enumerate().map(|(k, x)| f(k, *x)).collect(), ..self.clone() }
     }
 
-    /// Whether it has numbers for a model of so many nodes and planes and these curves.
-    pub(crate) fn fits(&self, [num_nodes, num_planes]: [usize; 2], set: &CurveSet) -> bool {
+    /// Whether it has numbers for a model of so many nodes and obstacles and these curves.
+    pub(crate) fn fits(&self, [num_nodes, num_surfaces]: [usize; 2], set: &CurveSet) -> bool {
         let known = |e: &Entry| (e.node as usize) < num_nodes && (e.curve as usize) < set.curves.len();
-        [self.num_nodes, self.num_planes] == [num_nodes, num_planes]
+        [self.num_nodes, self.num_surfaces] == [num_nodes, num_surfaces]
             && self.values.len() == self.first_entry() + self.entries.len()
             && self.entries.is_sorted_by_key(|e| e.node)
             && self.entries.iter().all(|e| known(e) && e.arc.iter().all(|s| s.is_finite()))
@@ -95,12 +95,12 @@ impl ContactField {
     /// Where all numbers of a node are.
     pub(crate) fn of_node(&self, node: usize) -> impl Iterator<Item = usize> {
         let (nodes, first) = (self.num_nodes, self.first_entry());
-        (0..=self.num_planes).map(move |k| k * nodes + node).chain(self.entries_of(node).map(move |k| first + k))
+        (0..=self.num_surfaces).map(move |k| k * nodes + node).chain(self.entries_of(node).map(move |k| first + k))
     }
 
-    /// Where the number of a node's contact with a plane is.
-    pub(crate) fn index_of_plane(&self, node: usize, plane: usize) -> usize {
-        self.num_nodes * (1 + plane) + node
+    /// Where the number of a node's contact with an obstacle is.
+    pub(crate) fn index_of_surface(&self, node: usize, surface: usize) -> usize {
+        self.num_nodes * (1 + surface) + node
     }
 
     /// Where the number of a node's contact with a segment is.
@@ -128,7 +128,7 @@ impl ContactField {
     /// A number per node: `choose` of all that a node has.
     pub(crate) fn per_node(&self, choose: fn(f64, f64) -> f64) -> Vec<f64> {
         let mut values = self.of_strands(choose);
-        for (k, value) in self.of_planes().iter().enumerate() {
+        for (k, value) in self.of_surfaces().iter().enumerate() {
             let chosen = &mut values[k % self.num_nodes];
             *chosen = choose(*chosen, *value);
         }
@@ -138,9 +138,9 @@ impl ContactField {
     /// The numbers of a rod whose nodes come from these, one for all strands that a node touches: the largest.
     pub(crate) fn moved(&self, from: impl Iterator<Item = usize>) -> Self {
         let from: Vec<usize> = from.collect();
-        let rows = [self.of_strands(f64::max), self.of_planes().to_vec()].concat();
+        let rows = [self.of_strands(f64::max), self.of_surfaces().to_vec()].concat();
         let values = rows.chunks(self.num_nodes).flat_map(|row| from.iter().map(|node| row[*node])).collect();
-        Self { num_nodes: from.len(), num_planes: self.num_planes, values, entries: Vec::new() }
+        Self { num_nodes: from.len(), num_surfaces: self.num_surfaces, values, entries: Vec::new() }
     }
 
     /// A number per node: `choose` of all that a node has for strands.
@@ -153,8 +153,8 @@ impl ContactField {
         values
     }
 
-    /// The numbers of the nodes towards the first plane, the second, …
-    fn of_planes(&self) -> &[f64] {
+    /// The numbers of the nodes towards the first obstacle, the second, …
+    fn of_surfaces(&self) -> &[f64] {
         &self.values[self.num_nodes..self.first_entry()]
     }
 
@@ -168,8 +168,8 @@ impl ContactField {
         };
         let mut fine = Self {
             num_nodes: between.len(),
-            num_planes: self.num_planes,
-            values: (0..=self.num_planes).flat_map(of_row).collect(),
+            num_surfaces: self.num_surfaces,
+            values: (0..=self.num_surfaces).flat_map(of_row).collect(),
             entries: Vec::new(),
         };
         for (node, (ends, part)) in between.iter().enumerate().filter(|_| !self.entries.is_empty()) {
@@ -198,7 +198,7 @@ impl ContactField {
         }
         let mut values = self.of_strands(f64::max);
         other.entries.iter().for_each(|e| values[e.node as usize] = 0.0);
-        values.extend(self.of_planes());
+        values.extend(self.of_surfaces());
         let of_entry = |e: &Entry| self.values[self.index_of_arc(set, e.node as usize, e.curve as usize, e.arc)];
         values.extend(other.entries.iter().map(of_entry));
         Self { values, entries: other.entries.clone(), ..*self }

@@ -58,7 +58,7 @@ fn seen<'a>(side: &ContactSide, residual: &'a Residual, window: impl Fn(usize, u
 }
 
 /// Smallest gap of each contact in the window of each node \[L\], infinite where nothing touches; `window(slave, master)`,
-/// without a master of contact with planes. Offsets at nodes that
+/// without a master of contact with obstacles. Offsets at nodes that
 /// touch several strands get entries of their own by that; those that there are already stay for as long as the strands
 /// are near.
 pub(crate) fn smallest_gaps(
@@ -69,7 +69,7 @@ pub(crate) fn smallest_gaps(
 ) -> ContactField {
     let seen = seen(side, residual, |slave, master| window(slave, Some(master)));
     let entries = entries(side, &seen, positions);
-    let mut gaps = ContactField::uniform_with(positions.len(), side.planes.len(), entries, f64::INFINITY);
+    let mut gaps = ContactField::uniform_with(positions.len(), side.surfaces.len(), entries, f64::INFINITY);
     for seen in &seen {
         let gap = seen.zone.min_gap;
         seen.by_nodes(side, |node| {
@@ -77,11 +77,11 @@ pub(crate) fn smallest_gaps(
             gaps.values[index] = gaps.values[index].min(gap);
         });
     }
-    for contact in &residual.plane_contacts {
+    for contact in &residual.surface_contacts {
         let (window, gap) = (window(contact.segment, None), contact.min_gap());
         for forward in [true, false] {
             side.spread(contact.segment, window, forward, |node| {
-                let index = gaps.index_of_plane(node, contact.plane);
+                let index = gaps.index_of_surface(node, contact.surface);
                 gaps.values[index] = gaps.values[index].min(gap);
             });
         }

@@ -5,11 +5,12 @@ use crate::contact::curve::{Cubic, CurveInput, CurveSet};
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
 use crate::contact::potential::ContactPair;
-use crate::contact::potential::plane::HalfSpace;
+use crate::contact::potential::surface;
 use crate::contact::screened::{Repulsion, Screened};
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::scene::{Electrostatics, Model};
+use crate::math::signed_distance::Surface;
+use crate::scene::{Electrostatics, Model, Obstacle};
 use crate::solve::measures::NOTHING;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_tangents::MaterialTangents;
@@ -31,8 +32,10 @@ pub(crate) struct ContactSide {
     pub(crate) exclusion: Exclusion,
     /// Candidate pairs.
     pub(crate) broad_phase: BroadPhase,
-    /// Planes that the strands stay above, where the state has them.
-    pub(crate) planes: Vec<HalfSpace>,
+    /// Obstacles.
+    pub(crate) obstacles: Vec<Obstacle>,
+    /// Their surfaces, where the state has them.
+    pub(crate) surfaces: Vec<Surface>,
     /// Screened repulsion of the strands, if it is asked for.
     pub(crate) repulsion: Option<Repulsion>,
     /// Generations of the sides that this one has replaced.
@@ -53,7 +56,7 @@ pub(crate) struct ContactSide {
 
 impl ContactSide {
     /// Curves of the rods that have a contact radius, under a penalty of the given dimensionless stiffness κ ε⁴/B, ε the
-    /// smallest radius, B `bending`, with the model's planes and charges; `None` if no rod has one.
+    /// smallest radius, B `bending`, with the model's obstacles and charges; `None` if no rod has one.
     ///
     /// # Errors
     /// Curves that [`CurveSet::new`] refuses.
@@ -72,7 +75,8 @@ impl ContactSide {
         let min_radius = (0..set.len()).map(|segment| set.radius_of(segment)).fold(f64::INFINITY, f64::min);
         let mut exclusion = Exclusion::new();
         exclusion.leave_out(joint_surroundings(model, &touching));
-        let planes: Vec<HalfSpace> = half_spaces(model, state).collect();
+        let placed = model.obstacles.iter().zip(&state.placements);
+        let surfaces: Vec<Surface> = placed.map(|(obstacle, placement)| obstacle.placed(placement)).collect();
         let screened = |Electrostatics { strength, debye_length }| Screened { strength, debye_length };
         let repulsion = model.electrostatics.map(|charges| {
             let least = set.curves.iter().map(|curve| curve.radius).fold(f64::INFINITY, f64::min);
@@ -85,8 +89,9 @@ impl ContactSide {
             tangents,
             exclusion,
             broad_phase: BroadPhase::new(),
-            offsets: ContactField::uniform(state.positions.len(), planes.len(), 0.0),
-            planes,
+            offsets: ContactField::uniform(state.positions.len(), surfaces.len(), 0.0),
+            obstacles: model.obstacles.clone(),
+            surfaces,
             repulsion,
             generations_before: 0,
             law: Law::Linear { stiffness: stiffness(dimensionless, bending, min_radius) },
@@ -106,19 +111,19 @@ impl ContactSide {
         self.repulsion.is_some() || self.is_near()
     }
 
-    /// Whether strands are near each other or a plane.
+    /// Whether strands are near each other or an obstacle.
     pub(crate) fn is_near(&self) -> bool {
-        !self.broad_phase.pairs().is_empty() || self.is_near_plane()
+        !self.broad_phase.pairs().is_empty() || self.is_near_surface()
     }
 
-    /// Whether a control point is as near to a plane as strands are that are candidates of contact.
-    fn is_near_plane(&self) -> bool {
+    /// Whether a segment may be as near to an obstacle as strands are that are candidates of contact.
+    fn is_near_surface(&self) -> bool {
         let (range, margin) = self.candidate_range();
-        let is_near = |plane: &HalfSpace, segment: usize| {
+        let is_near = |surface: &Surface, segment: usize| {
             let reach = self.set.radius_of(segment) + range + margin;
-            plane.distances(&self.set, segment).iter().any(|distance| *distance <= reach)
+            surface.least_in_hull(&surface::relative(surface, &self.set, segment)) <= reach
         };
-        self.planes.iter().any(|plane| (0..self.set.len()).any(|segment| is_near(plane, segment)))
+        self.surfaces.iter().any(|surface| (0..self.set.len()).any(|segment| is_near(surface, segment)))
     }
 
     /// Gap up to which pairs are candidates, and how much farther they are looked for \[L\].
@@ -136,13 +141,13 @@ impl ContactSide {
 
     /// Offsets of none at all.
     pub(crate) fn no_offsets(&self) -> ContactField {
-        let [num_nodes, num_planes] = self.size();
-        ContactField::uniform(num_nodes, num_planes, 0.0)
+        let [num_nodes, num_surfaces] = self.size();
+        ContactField::uniform(num_nodes, num_surfaces, 0.0)
     }
 
-    /// Numbers of nodes and of planes.
+    /// Numbers of nodes and of obstacles.
     pub(crate) fn size(&self) -> [usize; 2] {
-        [self.offsets.num_nodes(), self.planes.len()]
+        [self.offsets.num_nodes(), self.surfaces.len()]
     }
 
     /// Changes with the pairs of segments that the tangent couples.
@@ -168,14 +173,14 @@ impl ContactSide {
         self.nodes[slave].map(|node| numbers.at(&self.set, node, master))
     }
 
-    /// Offsets at both ends of a segment towards a plane \[L\].
-    pub(crate) fn offset_to_plane(&self, segment: usize, plane: usize) -> [f64; 2] {
-        self.at_ends_for_plane(&self.offsets, segment, plane)
+    /// Offsets at both ends of a segment towards an obstacle \[L\].
+    pub(crate) fn offset_to_surface(&self, segment: usize, surface: usize) -> [f64; 2] {
+        self.at_ends_for_surface(&self.offsets, segment, surface)
     }
 
-    /// Numbers at both ends of a segment for its contact with a plane.
-    pub(crate) fn at_ends_for_plane(&self, numbers: &ContactField, segment: usize, plane: usize) -> [f64; 2] {
-        self.nodes[segment].map(|node| numbers.values[numbers.index_of_plane(node, plane)])
+    /// Numbers at both ends of a segment for its contact with an obstacle.
+    pub(crate) fn at_ends_for_surface(&self, numbers: &ContactField, segment: usize, surface: usize) -> [f64; 2] {
+        self.nodes[segment].map(|node| numbers.values[numbers.index_of_surface(node, surface)])
     }
 
     /// Replaces law and offsets; the pressures of the present state are carried over to the first linearisation.
@@ -246,16 +251,6 @@ fn curves(
     }
     set.remainders = vec![[Vec3::zeros(); 4]; set.len()];
     Ok((set, touching.iter().flat_map(segments).map(ends).collect()))
-}
-
-/// The planes of a model where a state has them.
-pub(crate) fn half_spaces(model: &Model, state: &State) -> impl Iterator<Item = HalfSpace> {
-    let place = |(plane, height): (&crate::scene::Plane, &f64)| HalfSpace {
-        point: plane.point,
-        normal: plane.normal,
-        height: *height,
-    };
-    model.planes.iter().zip(&state.plane_heights).map(place)
 }
 
 /// κ \[F/L²\] of a dimensionless stiffness κ ε⁴/B.

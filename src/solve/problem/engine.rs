@@ -13,7 +13,7 @@ use crate::math::shape_functions::ShapeTable;
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, ElementProperties, Material, RodPlane, Strain, raw_strains, stiffness};
 use crate::rod::{Along, Natural, NaturalStrains, Rod};
-use crate::scene::{ContactLaw, Model, NodeRef};
+use crate::scene::{ContactLaw, Model, NodeRef, Obstacle};
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::follower::Follower;
@@ -166,7 +166,7 @@ impl Engine {
             seams: model.rods.iter().map(|r| TAU * r.start_link()).collect(),
             load_factor: model.load,
             pressures: vec![0.0; model.rods.len()],
-            plane_heights: vec![0.0; model.planes.len()],
+            placements: model.obstacles.iter().map(Obstacle::start).collect(),
             numbers: BTreeMap::new(),
         };
         let followers = Follower::all(&state.frames, &master);

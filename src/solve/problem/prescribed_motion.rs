@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::math::Vec3;
+use crate::scene::ObstacleNumber;
 use crate::solve::measures::NOTHING;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::{Numbers, State};
@@ -24,8 +25,8 @@ pub(crate) struct Target {
     pub(crate) load_factor: Option<f64>,
     /// By rod \[F/L\].
     pub(crate) pressures: Vec<(usize, f64)>,
-    /// By plane \[L\].
-    pub(crate) plane_heights: Vec<(usize, f64)>,
+    /// Numbers of obstacles.
+    pub(crate) placements: Vec<(usize, ObstacleNumber, f64)>,
     /// Numbers of rods.
     pub(crate) numbers: Numbers,
     /// Turns that supports make, by node.
@@ -43,7 +44,7 @@ impl Target {
         self.turned.push((node, turns));
     }
 
-    /// Puts loads, pressures, planes and numbers of rods in force.
+    /// Puts loads, pressures, obstacles and numbers of rods in force.
     pub(crate) fn load(&self, state: &mut State) {
         if let Some(factor) = self.load_factor {
             state.load_factor = factor;
@@ -51,8 +52,8 @@ impl Target {
         for &(rod, pressure) in &self.pressures {
             state.pressures[rod] = pressure;
         }
-        for &(plane, height) in &self.plane_heights {
-            state.plane_heights[plane] = height;
+        for &(obstacle, which, to) in &self.placements {
+            state.placements[obstacle].set(which, to);
         }
         state.numbers.extend(&self.numbers);
     }

@@ -8,6 +8,7 @@ use crate::math::quaternion::{exp, spin};
 use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
 use crate::rod::RodNumber;
+use crate::scene::Placement;
 
 /// Numbers of rods that have been ramped.
 pub type Numbers = BTreeMap<(usize, RodNumber), f64>;
@@ -45,8 +46,8 @@ pub struct State {
     pub load_factor: f64,
     /// Per rod: pressure \[F/L\].
     pub pressures: Vec<f64>,
-    /// Per plane: how far it has been moved along its normal \[L\].
-    pub plane_heights: Vec<f64>,
+    /// Per obstacle: where it is.
+    pub placements: Vec<Placement>,
     /// Numbers of rods that ramps have changed.
     #[cfg_attr(feature = "serde", serde(with = "as_list"))]
     pub numbers: Numbers,

@@ -199,7 +199,7 @@ mod tests {
             seams: vec![0.0],
             load_factor: 0.0,
             pressures: vec![0.0],
-            plane_heights: Vec::new(),
+            placements: Vec::new(),
             numbers: Default::default(),
         };
         (Swivel { nodes: vec![0], axis, reference }, state)

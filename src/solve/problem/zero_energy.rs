@@ -20,7 +20,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
-use crate::contact::potential::plane::PlaneContact;
+use crate::contact::potential::surface::SurfaceContact;
+use crate::math::signed_distance::{Skeleton, Surface};
 use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
 use crate::solve::measures::NOTHING;
@@ -106,8 +107,8 @@ pub(crate) struct ZeroEnergyModes {
     weights: [f64; 2],
     /// The rod is held, and its supports permit these motions.
     held: bool,
-    /// The rod touches planes, which resist some of its rigid motions.
-    on_planes: bool,
+    /// The rod touches obstacles, which resist some of its rigid motions.
+    on_obstacles: bool,
     /// Contact seems to do work on them, because its tangents are held in the frames of sheared rods.
     is_sheared: bool,
     /// Of models of several rods.
@@ -123,45 +124,70 @@ fn motion(nodes: impl Iterator<Item = usize>, of_node: impl Fn(usize) -> (Vec3, 
     nodes.flat_map(six).collect()
 }
 
-/// Displacements of some nodes as a whole and their rotations about their centre, in the plane those that stay in it; of
-/// these those that keep the gaps to planes with such normals.
-fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize], normals: &[Vec3]) -> Vec<Vec<f64>> {
+/// Rigid motions of some nodes, in the plane those that stay in it; of these those that keep gaps to surfaces as they are.
+fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize], surfaces: &[Surface]) -> Vec<Vec<f64>> {
     let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
-    let (along, about) = left_by_planes(normals, engine.model.planar);
-    let of_all = |of_node: &dyn Fn(usize) -> (Vec3, Vec3)| motion(nodes.iter().copied(), of_node);
-    let displacements = along.iter().map(|axis| of_all(&|_| (*axis, Vec3::zeros())));
-    let rotation = |axis: &Vec3| of_all(&|n| (axis.cross(&(state.positions[n] - centre)), *axis));
-    displacements.chain(about.iter().map(rotation)).collect()
+    let planar = engine.model.planar;
+    let rigid = if surfaces.is_empty() {
+        let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+        let (along, about) = if planar { (&axes[..2], &axes[2..]) } else { (&axes[..], &axes[..]) };
+        let displacements = along.iter().map(|axis| [*axis, Vec3::zeros()]);
+        displacements.chain(about.iter().map(|axis| [Vec3::zeros(), *axis])).collect()
+    } else {
+        left_by_surfaces(surfaces, (&centre, engine.scales.length), planar)
+    };
+    let of_all = |[along, about]: &[Vec3; 2]| {
+        motion(nodes.iter().copied(), |n| (along + about.cross(&(state.positions[n] - centre)), *about))
+    };
+    rigid.iter().map(of_all).collect()
 }
 
-/// Axes of displacements and of rotations that leave gaps to planes with such normals as they are.
-fn left_by_planes(normals: &[Vec3], planar: bool) -> (Vec<Vec3>, Vec<Vec3>) {
+/// Rigid motions, by the velocity of a centre and a rotation vector, that move surfaces along themselves only. A velocity v and
+/// a rotation vector, times a length, count alike.
+///
+/// A plane is moved along itself if v·n = 0 and ω ∥ n, a sphere if its centre stays, a cylinder if its axis stays on its
+/// line: each is some combinations of v and ω that must vanish, and the motions left are a null space.
+fn left_by_surfaces(surfaces: &[Surface], (centre, length): (&Vec3, f64), planar: bool) -> Vec<[Vec3; 2]> {
     let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
-    let Some(first) = normals.first() else {
-        return if planar { (axes[..2].to_vec(), axes[2..].to_vec()) } else { (axes.to_vec(), axes.to_vec()) };
+    let mut normal = nalgebra::Matrix6::<f64>::zeros();
+    let mut vanishes = |v: Vec3, spin: Vec3| {
+        let row = nalgebra::Vector6::new(v.x, v.y, v.z, spin.x, spin.y, spin.z);
+        normal += row * row.transpose();
     };
-    let tilted = normals.iter().map(|n| first.cross(n)).find(|edge| edge.norm() > TOLERANCE);
-    let edge = match tilted {
-        // of parallel planes any direction in them will do
-        None if !planar => {
-            let across = first.cross(&axes[first.iamin()]).normalize();
-            return (vec![across, first.cross(&across)], vec![*first]);
+    for surface in surfaces {
+        // u·(v + ω × arm) = 0
+        let arm = (surface.point() - centre) / length;
+        let mut stays = |u: Vec3| vanishes(u, arm.cross(&u));
+        match surface.skeleton {
+            Skeleton::Plane { normal, .. } => vanishes(normal, Vec3::zeros()),
+            Skeleton::Point { .. } => axes.iter().for_each(|axis| stays(*axis)),
+            Skeleton::Line { axis, .. } => axes.iter().for_each(|e| stays(e - axis * axis.dot(e))),
         }
-        None => Vec3::z().cross(first),
-        Some(edge) => edge.normalize(),
+        if let Skeleton::Plane { normal: axis, .. } | Skeleton::Line { axis, .. } = surface.skeleton {
+            axes.iter().for_each(|e| vanishes(Vec3::zeros(), e - axis * axis.dot(e)));
+        }
+    }
+    if planar {
+        vanishes(axes[2], Vec3::zeros());
+        axes[..2].iter().for_each(|axis| vanishes(Vec3::zeros(), *axis));
+    }
+    let eigen = normal.symmetric_eigen();
+    let is_free = |k: &usize| eigen.eigenvalues[*k] <= TOLERANCE * TOLERANCE;
+    let of_null_space = |k: usize| {
+        let [along, about] = [0, 3].map(|first| eigen.eigenvectors.fixed_view::<3, 1>(first, k).into_owned());
+        [along, about / length]
     };
-    let stays = normals.iter().all(|n| n.dot(&edge).abs() <= TOLERANCE) && !(planar && edge.z != 0.0);
-    (if stays { vec![edge] } else { Vec::new() }, Vec::new())
+    (0..6).filter(is_free).map(of_null_space).collect()
 }
 
-/// Normals of the planes that some rods touch.
-fn normals_of(engine: &Engine, contacts: &[PlaneContact], rods: &[usize]) -> Vec<Vec3> {
+/// Surfaces of the obstacles that some rods touch.
+fn touched_by(engine: &Engine, contacts: &[SurfaceContact], rods: &[usize]) -> Vec<Surface> {
     let Some(side) = engine.contact.as_ref().filter(|_| !contacts.is_empty()) else { return Vec::new() };
-    let is_touched = |plane: &usize| {
-        let of_rods = |contact: &&PlaneContact| rods.contains(&engine.rod_of(side.nodes[contact.segment][0]));
-        contacts.iter().filter(|contact| contact.plane == *plane).any(|contact| of_rods(&contact))
+    let is_touched = |surface: &usize| {
+        let of_rods = |contact: &&SurfaceContact| rods.contains(&engine.rod_of(side.nodes[contact.segment][0]));
+        contacts.iter().filter(|contact| contact.surface == *surface).any(|contact| of_rods(&contact))
     };
-    (0..side.planes.len()).filter(is_touched).map(|plane| side.planes[plane].normal).collect()
+    (0..side.surfaces.len()).filter(is_touched).map(|surface| side.surfaces[surface]).collect()
 }
 
 /// Spin of a rod about its centreline, as a motion of nodes that its own are among.
@@ -365,17 +391,17 @@ impl ZeroEnergyModes {
     pub(crate) fn at(engine: &Engine, state: &State, residual: &Residual) -> Self {
         let is_sheared = engine.contact.as_ref().is_some_and(|side| side.tangents.are_sheared());
         if engine.model.rods.len() == 1 {
-            return Self { is_sheared, ..Self::of(engine, state, &residual.plane_contacts) };
+            return Self { is_sheared, ..Self::of(engine, state, &residual.surface_contacts) };
         }
         let several = Several::of(engine, state, residual, weights(engine));
         Self { is_sheared, several, ..Self::default() }
     }
 
-    /// The neutral motions of a model that is a single rod, which touches planes as told: all of them if it is free; if it is held somewhere, those
+    /// The neutral motions of a model that is a single rod, which touches obstacles as given: all of them if it is free; if it is held somewhere, those
     /// that its supports let pass and loads do no work on (a closed rod clamped at one node travels along its own shape
     /// through the clamp, and swings about the tangent there; one twisted between coaxial clamps turns about their axis
     /// while it spins back). None otherwise.
-    fn of(engine: &Engine, state: &State, plane_contacts: &[PlaneContact]) -> Self {
+    fn of(engine: &Engine, state: &State, surface_contacts: &[SurfaceContact]) -> Self {
         if engine.model.rods.len() != 1 {
             return Self::default();
         }
@@ -386,9 +412,9 @@ impl ZeroEnergyModes {
         }
         let mut zero_energy = Self { weights: weights(engine), ..Self::default() };
         let nodes: Vec<usize> = engine.nodes(0).collect();
-        let touched = normals_of(engine, plane_contacts, &[0]);
+        let touched = touched_by(engine, surface_contacts, &[0]);
         let mut motions = rigid_motions(engine, state, &nodes, &touched);
-        zero_energy.on_planes = !touched.is_empty();
+        zero_energy.on_obstacles = !touched.is_empty();
         // springs of a falling rod, too, stop only what loads leave alone
         zero_energy.held = !free || is_falling(engine, 0);
         if spins(engine, 0) || zero_energy.held && is_round(engine, 0) {
@@ -469,8 +495,8 @@ impl ZeroEnergyModes {
         let falls = |index: &usize| is_single && self.held || self.several.falling.contains(index);
         let is_pinned = |index: &usize| is_free(engine, *index) && !falls(index);
         for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_pinned(index)) {
-            let alone = if is_single { !self.on_planes } else { self.several.anchors.binary_search(&index).is_ok() };
-            // of several free rods that touch, all but one, and those that touch planes: contact may resist their rigid
+            let alone = if is_single { !self.on_obstacles } else { self.several.anchors.binary_search(&index).is_ok() };
+            // of several free rods that touch, all but one, and those that touch obstacles: contact may resist their rigid
             // motions, and weak springs shorten steps only a little
             let factor = if alone { 1.0 } else { NOTHING };
             let spacing = rod.spacing();
@@ -535,7 +561,8 @@ pub(crate) enum Generator {
 
 /// Motions by name of a model that is a single free rod which bears no loads; none of others. Sliding may depend on those before it.
 pub(crate) fn generators(engine: &Engine, state: &State) -> Vec<(Generator, Vec<f64>)> {
-    if engine.model.rods.len() != 1 || !is_free(engine, 0) || is_falling(engine, 0) || !engine.model.planes.is_empty() {
+    let is_alone = engine.model.rods.len() == 1 && engine.model.obstacles.is_empty();
+    if !is_alone || !is_free(engine, 0) || is_falling(engine, 0) {
         return Vec::new();
     }
     let nodes: Vec<usize> = engine.nodes(0).collect();

@@ -2,8 +2,8 @@
 //! times their stiffness.
 
 use crate::contact::curve::Cubic;
-use crate::contact::potential::plane::{self, PlaneContact};
 use crate::contact::potential::second_order::{second_order_of_gaps, stiffness_of_gaps};
+use crate::contact::potential::surface::{self, SurfaceContact, point_of};
 use crate::contact::potential::{self, ContactPair, Pressures, Request};
 use crate::math::{Vec3, parallel};
 use crate::solve::measures::AT_ONCE;
@@ -35,13 +35,13 @@ impl Engine {
             |term, gone| [term.slave, gone[0], gone[1]].into_iter().for_each(|segment| known[segment] = true),
         );
         self.add_new(there, &known, forces);
-        self.add_new_at_planes(residual, there, forces);
-        self.add_planes_of(residual, (state, increment), forces, |now, linear| now - linear);
+        self.add_new_at_surfaces(residual, there, forces);
+        self.add_surfaces_of(residual, (state, increment), forces, |now, linear| now - linear);
     }
 
-    /// Adds to `forces` Σ k e ∂gap/∂x of the contacts of `residual` with planes, e made of the change of gap at each
-    /// control point up to where contact now is, and of the linear one that `increment` predicts from `state` \[L\].
-    fn add_planes_of(
+    /// Adds to `forces` Σ k e ∂gap/∂x of the contacts of `residual` with obstacles, e made of the change of the gap at each
+    /// point in contact up to where contact now is, and of the linear one that `increment` predicts from `state` \[L\].
+    fn add_surfaces_of(
         &self,
         residual: &Residual,
         (state, increment): (&State, &[f64]),
@@ -49,27 +49,31 @@ impl Engine {
         e: impl Fn(f64, f64) -> f64,
     ) {
         let Some(side) = &self.contact else { return };
-        for contact in &residual.plane_contacts {
-            let (nodes, normal) = (side.nodes[contact.segment], side.planes[contact.plane].normal);
+        for contact in &residual.surface_contacts {
+            let (nodes, surface) = (side.nodes[contact.segment], &side.surfaces[contact.surface]);
             let cubic = side.cubic(state, contact.segment);
             let linear = side.motion(state, increment, contact.segment).linear;
-            let now = &side.set.segments[contact.segment].b;
-            let change = std::array::from_fn(|m| e(normal.dot(&(now[m] - cubic.b[m])), normal.dot(&linear[m])));
+            let [then, now] = [cubic.b, side.set.segments[contact.segment].b].map(|b| b.map(|b| b - surface.point()));
+            let change = |u: f64, normal: &Vec3| {
+                let [then, now] = [then, now].map(|r| surface.distance(&point_of(&r, u)));
+                e(now - then, normal.dot(&point_of(&linear, u)))
+            };
             let handles = [cubic.b[1] - cubic.b[0], cubic.b[2] - cubic.b[3]];
-            add_at(&nodes, &contact.of_changes(handles, normal, &change), forces);
+            add_at(&nodes, &contact.of_changes(&handles, change), forces);
         }
     }
 
-    /// Adds the forces of planes on segments in contact `there`, where contact now is, that were not before.
-    fn add_new_at_planes(&self, residual: &Residual, there: &Residual, forces: &mut [f64]) {
+    /// Adds the forces of obstacles on segments in contact `there`, where contact now is, that were not before.
+    fn add_new_at_surfaces(&self, residual: &Residual, there: &Residual, forces: &mut [f64]) {
         let Some(side) = &self.contact else { return };
-        let offset = |segment, plane| side.offset_to_plane(segment, plane);
+        let offset = |segment, surface| side.offset_to_surface(segment, surface);
         let pressures = Pressures::of(side.law, &offset);
-        let at = |contact: &PlaneContact| (contact.segment, contact.plane);
-        // both are in the order of segments and planes
-        let is_new = |contact: &&PlaneContact| residual.plane_contacts.binary_search_by_key(&at(contact), at).is_err();
-        for contact in there.plane_contacts.iter().filter(is_new) {
-            if let Some(term) = plane::term(&side.set, &side.planes, at(contact), &pressures, Request::default()) {
+        let at = |contact: &SurfaceContact| (contact.segment, contact.surface);
+        // both are in the order of segments and obstacles
+        let is_new =
+            |contact: &&SurfaceContact| residual.surface_contacts.binary_search_by_key(&at(contact), at).is_err();
+        for contact in there.surface_contacts.iter().filter(is_new) {
+            if let Some(term) = surface::term(&side.set, &side.surfaces, at(contact), &pressures, Request::default()) {
                 add_at(&side.nodes[contact.segment], &term.gradient, forces);
             }
         }
@@ -109,7 +113,7 @@ impl Engine {
             (stiffness_of_gaps(term, [&cubics[0], &cubics[1]], &change), ())
         };
         self.add_terms(&residual.contact_pairs, &mut forces, gradient, |_, ()| {});
-        self.add_planes_of(residual, (state, increment), &mut forces, |_, linear| linear);
+        self.add_surfaces_of(residual, (state, increment), &mut forces, |_, linear| linear);
         forces
     }
 

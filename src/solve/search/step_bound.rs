@@ -5,10 +5,11 @@
 //! every pair of strands apart if t × (bound of the relative motion) is less than their present distance. Pairs are
 //! looked for in a `tree`, which settles parts that move together, are far from each other or lie along an arc too
 //! straight to close as a whole: where nothing is near, a step of any length is free. `isotopy` joins such steps to a
-//! path from one state to another. Planes, which do not move, are looked at in `planes`.
+//! path from one state to another. Obstacles, which do not move, are looked at in
+//! `surfaces`.
 
 mod isotopy;
-mod planes;
+mod surfaces;
 mod tree;
 
 use std::f64::consts::TAU;
@@ -167,7 +168,7 @@ impl ContactSide {
         let tree = PassageTree::new(&self.set, &self.exclusion, &motions, &relative, keep);
         #[cfg(test)]
         assert_eq!(tree.fraction(), tree.fraction_by_all_pairs(), "the tree against all pairs");
-        Ok(tree.fraction().min(planes::fraction(&self.set, &self.planes, &motions, keep)))
+        Ok(tree.fraction().min(surfaces::fraction(&self.set, &self.surfaces, &motions, keep)))
     }
 
     /// Motion of a segment in an increment from a state.
@@ -199,7 +200,7 @@ mod tests {
     use crate::math::link::{linking_number, writhe};
     use crate::math::quaternion::{exp, spin};
     use crate::rod::{Natural, Rod, RodMesh, Section, Shape, TorusKnot};
-    use crate::scene::{Model, NodeRef, Support};
+    use crate::scene::{Model, NodeRef, Obstacle, Side, Support};
 
     /// A rod above another at right angles, `height` radii apart.
     fn crossing(height: f64) -> Engine {
@@ -429,8 +430,9 @@ mod tests {
         let lowest = -1.0 / TAU;
         for height in [1.0, 1.5, 3.0, 20.0] {
             let point = Vec3::new(7.0, -5.0, lowest - height * radius);
-            let planes = vec![crate::scene::Plane { name: "floor".to_owned(), point, normal: Vec3::z() }];
-            let mut engine = Engine::new(Model { rods: vec![rod.clone()], planes, ..Model::default() }, None).unwrap();
+            let obstacles = vec![Obstacle::plane("floor", point, Vec3::z())];
+            let mut engine =
+                Engine::new(Model { rods: vec![rod.clone()], obstacles, ..Model::default() }, None).unwrap();
             let state = engine.state.clone();
             for (by, turn) in [(1e-3, 0.0), (0.05, 0.02), (10.0, 0.0), (1e6, 0.0), (0.05, 0.9)] {
                 engine.update_contact(&state).unwrap();
@@ -452,6 +454,62 @@ mod tests {
                 }
                 // without rotations the bound is exact, but for the points looked at here
                 assert!(turn > 0.0 || t == 1.0 || least(t) <= kept + 3e-3 * radius, "{height} {by}: {} {t}", least(t));
+            }
+        }
+    }
+
+    /// Rods around a thin post, and inside a tube and a ball, moved by steps that would take them far through, past it or round
+    /// it: every point stays on its side all along the part that is allowed, and sliding round is free.
+    #[test]
+    fn no_step_takes_a_strand_through_a_curved_surface() {
+        let radius = 0.01;
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, radius);
+        let size = 1.0 / TAU;
+        let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::y() };
+        for (elements, side, gap) in [(6, 1.0, 1.0), (12, 1.0, 2.5), (6, -1.0, 1.0), (12, -1.0, 1.6), (24, -1.0, 9.0)] {
+            let rod = Rod::new("ring", &shape, RodMesh::closed(elements, 1), section, Natural::Straight).unwrap();
+            let level = size - side * gap * radius;
+            let of_side = (level, if side > 0.0 { Side::Outside } else { Side::Inside });
+            for obstacle in [
+                Obstacle::cylinder("round", [Vec3::y() * 3.0, Vec3::y()], of_side),
+                Obstacle::sphere("ball", Vec3::zeros(), of_side),
+            ] {
+                // the curve is inside the circle by a little
+                let obstacles = vec![Obstacle { radius: level - 1e-3 * size, ..obstacle }];
+                let obstacles =
+                    if side > 0.0 { obstacles } else { vec![Obstacle { radius: level, ..obstacles[0].clone() }] };
+                let model = Model { rods: vec![rod.clone()], obstacles, ..Model::default() };
+                let mut engine = Engine::new(model, None).unwrap();
+                let state = engine.state.clone();
+                for (by, turn) in [(1e-3, 0.0), (0.05, 0.02), (10.0, 0.0), (1e6, 0.0), (0.05, 0.9)] {
+                    engine.update_contact(&state).unwrap();
+                    let mut step = waves(&engine, 1.3, 0.1 * by, turn);
+                    step.chunks_mut(6).for_each(|node| node[2] -= by);
+                    let t = engine.step_fraction(&state, &step).unwrap();
+                    assert!(t > 0.0, "{elements} {side} {by}");
+                    let mut least = |t: f64| {
+                        let there = engine.retract(&state, &step, t);
+                        let side = engine.contact.as_mut().unwrap();
+                        side.place(&there);
+                        let surface = side.surfaces[0];
+                        let points =
+                            side.set.segments.iter().flat_map(|s| (0..=40).map(|k| s.point(f64::from(k) / 40.0)));
+                        points.map(|r| surface.distance(&(r - surface.point()))).fold(f64::INFINITY, f64::min)
+                    };
+                    let start = least(0.0);
+                    assert!(start > 0.0);
+                    let kept = (0.5 * radius).min(0.75 * start) - 0.06 * radius;
+                    for k in 0..=20 {
+                        let here = least(t * f64::from(k) / 20.0);
+                        assert!(here >= kept, "{elements} {side} {by} {turn}: {here} of {start} at {k}/20 of {t}");
+                    }
+                    // what is allowed is most of what could be
+                    assert!(
+                        turn > 0.0 || t == 1.0 || least(1.2 * t) < 0.6 * radius,
+                        "{side} {by}: {} {t}",
+                        least(1.2 * t)
+                    );
+                }
             }
         }
     }

@@ -8,7 +8,7 @@ use supercoil::InputError;
 use supercoil::io::csv::{RodState, write_state};
 use supercoil::math::Vec3;
 use supercoil::rod::{Along, Averaged, Natural, Rod, RodNumber};
-use supercoil::scene::{ContactLaw, NodeRef, Ramp, Scene, Support, Units};
+use supercoil::scene::{ContactLaw, NodeRef, ObstacleNumber, Ramp, Scene, Skeleton, Support, Units};
 
 use super::motion::Problem;
 
@@ -115,9 +115,22 @@ fn text(problem: &Problem, path: &Path, tables: &mut Vec<(String, String)>) -> S
         let (force, moment) = (list(&it.force), list(&it.moment));
         let _ = writeln!(out, "\n[[line_loads]]\n{}\nforce = {force}\nmoment = {moment}", name(it.rod));
     }
-    for it in &model.planes {
-        let (point, normal) = (list(&it.point), list(&it.normal));
-        let _ = writeln!(out, "\n[[planes]]\nname = {:?}\npoint = {point}\nnormal = {normal}", it.name);
+    for it in &model.obstacles {
+        let (name, size) = (&it.name, format!("radius = {:?}\nside = \"{:?}\"", it.radius, it.side).to_lowercase());
+        let _ = match &it.skeleton {
+            Skeleton::Plane { point, normal } => {
+                let (point, normal) = (list(point), list(normal));
+                writeln!(out, "\n[[planes]]\nname = {name:?}\npoint = {point}\nnormal = {normal}")
+            }
+            Skeleton::Point { point } => {
+                let point = list(point);
+                writeln!(out, "\n[[obstacles]]\nname = {name:?}\nshape = \"sphere\"\npoint = {point}\n{size}")
+            }
+            Skeleton::Line { point, axis } => {
+                let place = format!("point = {}\naxis = {}", list(point), list(axis));
+                writeln!(out, "\n[[obstacles]]\nname = {name:?}\nshape = \"cylinder\"\n{place}\n{size}")
+            }
+        };
     }
     for stage in &problem.stages {
         let _ = writeln!(out, "\n[[stages]]\nsteps = {}", stage.steps);
@@ -213,8 +226,15 @@ fn ramps(problem: &Problem, ramps: &[Ramp], name: &dyn Fn(usize) -> String, at: 
                 add("pose", format!("{}{position}{}", at(*node), frame.unwrap_or_default()));
             }
             Ramp::Load { to } => single.push(format!("load = {to:?}")),
-            Ramp::Plane { plane, to } => {
-                add("plane", format!("name = {:?}, to = {to:?}", problem.model.planes[*plane].name));
+            Ramp::Obstacle { obstacle, which, to } => {
+                let obstacle = &problem.model.obstacles[*obstacle];
+                match which {
+                    ObstacleNumber::Level if obstacle.is_plane() => {
+                        add("plane", format!("name = {:?}, to = {to:?}", obstacle.name));
+                    }
+                    ObstacleNumber::Level => add("obstacle", format!("name = {:?}, radius = {to:?}", obstacle.name)),
+                    _ => panic!("no relation moves an obstacle so"),
+                }
             }
             Ramp::Pressure { rod, to } => add("pressure", format!("{}, to = {to:?}", name(*rod))),
             Ramp::Hold(support) => hold.push(format!("{{ {} }}", held(support, name).join(", "))),

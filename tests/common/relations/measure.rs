@@ -198,7 +198,7 @@ fn reactions(first: &State, second: &State, variant: &Variant, scales: &Scales) 
 
 fn contact(first: &Observation, second: &Observation, variant: &Variant) -> f64 {
     let all = |it: &Observation| {
-        let planes = it.plane_reactions.iter().map(|plane| plane.force);
+        let planes = it.obstacle_reactions.iter().map(|plane| plane.force);
         [it.total_contact_force, it.contact_resultants].into_iter().chain(planes).collect::<Vec<f64>>()
     };
     largest(all(first).iter().zip(all(second)).map(|(a, b)| a - b / variant.force))

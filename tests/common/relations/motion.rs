@@ -3,7 +3,9 @@
 
 use supercoil::math::{Mat3, Quat, Vec3};
 use supercoil::rod::{Natural, NaturalStrains, Rod, RodMesh, RodNumber, Section, Shape};
-use supercoil::scene::{Joint, LineLoad, Model, NodeLoad, NodeRef, Plane, Pose, Ramp, Stage, Support};
+use supercoil::scene::{
+    Joint, LineLoad, Model, NodeLoad, NodeRef, Obstacle, ObstacleNumber, Pose, Ramp, Skeleton, Stage, Support,
+};
 
 /// A model with its stages.
 #[derive(Debug, Clone)]
@@ -73,10 +75,10 @@ pub fn moved(problem: &Problem, matrix: Mat3, shift: Vec3) -> Variant {
             .iter()
             .map(|it| LineLoad { force: matrix * it.force, moment: motion.axial(&it.moment), ..*it })
             .collect(),
-        planes: model
-            .planes
+        obstacles: model
+            .obstacles
             .iter()
-            .map(|it| Plane { name: it.name.clone(), point: motion.point(&it.point), normal: matrix * it.normal })
+            .map(|it| mapped(it, |point| motion.point(point), |axis| matrix * axis))
             .collect(),
         ..model.clone()
     };
@@ -172,7 +174,18 @@ impl Motion {
     }
 }
 
-/// Rods, nodes and planes renumbered in all that names them. Other lists are in the opposite order.
+/// An obstacle whose points and axes are others.
+fn mapped(it: &Obstacle, point: impl Fn(&Vec3) -> Vec3, axis: impl Fn(&Vec3) -> Vec3) -> Obstacle {
+    let skeleton = match &it.skeleton {
+        Skeleton::Plane { point: p, normal } => Skeleton::Plane { point: point(p), normal: axis(normal) },
+        Skeleton::Point { point: p } => Skeleton::Point { point: point(p) },
+        Skeleton::Line { point: p, axis: a } => Skeleton::Line { point: point(p), axis: axis(a) },
+    };
+    assert!(it.hinge.is_none(), "no relation has hinges");
+    Obstacle { skeleton, ..it.clone() }
+}
+
+/// Rods and nodes renumbered in all that names them. Other lists are in the opposite order.
 fn renumbered(problem: &Problem, rods: Vec<Rod>, nodes: Vec<Vec<NodeRef>>) -> Variant {
     let Problem { model, stages } = problem;
     let node = |it: NodeRef| nodes[it.rod][it.node];
@@ -238,7 +251,11 @@ pub fn with_idle_rod(problem: &Problem) -> Variant {
     let section = Section::isotropic(bending, bending, stretching, stretching, radius);
     let spacing = rods.iter().map(Rod::spacing).fold(f64::INFINITY, f64::min);
     let length = rods[0].length;
-    let up: Vec3 = problem.model.planes.iter().map(|plane| plane.normal).sum();
+    let normal = |obstacle: &Obstacle| match obstacle.skeleton {
+        Skeleton::Plane { normal, .. } => Some(normal),
+        _ => None,
+    };
+    let up: Vec3 = problem.model.obstacles.iter().filter_map(normal).sum();
     let start = rods[0].positions[0] + (Vec3::x() * FAR + up) * length;
     let line = Shape::Line { start, direction: Vec3::x(), length };
     let elements = (length / spacing / 3.0).ceil() as usize + 1;
@@ -359,7 +376,9 @@ pub fn in_units(problem: &Problem, factor: f64) -> Variant {
         Ramp::RotationAbout { node, axis, through, to } => Ramp::RotationAbout { node, axis, through: f * through, to },
         Ramp::Displacement { node, to } => Ramp::Displacement { node, to: f * to },
         Ramp::Pose { node, pose } => Ramp::Pose { node, pose: Pose { position: pose.position.map(|p| f * p), ..pose } },
-        Ramp::Plane { plane, to } => Ramp::Plane { plane, to: f * to },
+        Ramp::Obstacle { obstacle, which, to } if which != ObstacleNumber::Turns => {
+            Ramp::Obstacle { obstacle, which, to: f * to }
+        }
         // F/L is the same
         Ramp::Number { rod, which, to } => Ramp::Number { rod, which, to: to * unit_of(which, f) },
         other => other,
@@ -373,7 +392,11 @@ pub fn in_units(problem: &Problem, factor: f64) -> Variant {
             .map(|it| NodeLoad { force: f * it.force, moment: square * it.moment, ..*it })
             .collect(),
         line_loads: model.line_loads.iter().map(|it| LineLoad { moment: f * it.moment, ..*it }).collect(),
-        planes: model.planes.iter().map(|it| Plane { point: f * it.point, ..it.clone() }).collect(),
+        obstacles: model
+            .obstacles
+            .iter()
+            .map(|it| Obstacle { radius: f * it.radius, ..mapped(it, |point| f * point, |axis| *axis) })
+            .collect(),
         electrostatics: model.electrostatics.map(|mut it| {
             it.strength *= f;
             it.debye_length *= f;

@@ -481,9 +481,8 @@ fn undone(ramp: &Ramp, model: &Model, before: &[Stage]) -> Option<Ramp> {
     let mut back = ramp.clone();
     match &mut back {
         Ramp::ExcessLink { rod, to } => *to = model.rods[*rod].start_excess_link,
-        Ramp::Rotation { to, .. } | Ramp::RotationAbout { to, .. } | Ramp::Load { to } | Ramp::Plane { to, .. } => {
-            *to = 0.0
-        }
+        Ramp::Rotation { to, .. } | Ramp::RotationAbout { to, .. } | Ramp::Load { to } => *to = 0.0,
+        Ramp::Obstacle { obstacle, which, to } => *to = model.obstacles[*obstacle].start().get(*which),
         Ramp::Pressure { to, .. } => *to = 0.0,
         Ramp::Displacement { to, .. } => *to = Vec3::zeros(),
         Ramp::Pose { node, pose } => {

@@ -76,6 +76,9 @@ pub(in super::super) struct RampText {
     #[serde(default)]
     #[schemars(extend("x-unit" = "L"))]
     pub plane: OneOrMany<PlaneRampText>,
+    /// Motions of cylinders and spheres, and their radii.
+    #[serde(default)]
+    pub obstacle: OneOrMany<ObstacleRampText>,
     /// Contact radius and stiffnesses.
     #[serde(default)]
     pub section: OneOrMany<SectionRampText>,
@@ -100,6 +103,23 @@ pub(in super::super) struct PlaneRampText {
     pub name: Option<String>,
     /// Value at the end of the stage.
     pub to: f64,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in super::super) struct ObstacleRampText {
+    /// Name of the obstacle; a plane's, too.
+    #[schemars(extend("x-value" = "name", "x-default" = "the only obstacle"))]
+    pub name: Option<String>,
+    /// Radius at the end of the stage.
+    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "> 0; more than the contact radii of rods inside", "x-default" = "stays"))]
+    pub radius: Option<f64>,
+    /// Displacement, in all since the start of the run.
+    #[schemars(extend("x-unit" = "L", "x-default" = "stays"))]
+    pub displacement: Option<List<f64, 3>>,
+    /// Turns about its hinge, in all since the start of the run; before the displacement.
+    #[schemars(extend("x-unit" = "turns", "x-default" = "stays"))]
+    pub turns: Option<f64>,
 }
 
 #[derive(Deserialize, JsonSchema)]

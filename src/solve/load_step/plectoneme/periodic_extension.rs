@@ -153,7 +153,7 @@ impl Solver {
         let side = self.engine.contact.as_ref()?;
         let [rod] = &model.rods[..] else { return None };
         let free = model.supports.is_empty() && state.pressures[0] == 0.0 && !model.planar;
-        let unloaded = model.loads.is_empty() && model.line_loads.is_empty() && model.planes.is_empty();
+        let unloaded = model.loads.is_empty() && model.line_loads.is_empty() && model.obstacles.is_empty();
         let uniform =
             rod.closed && rod.stiffness.is_none() && rod.section.is_isotropic() && rod.natural == Natural::Straight;
         (free && unloaded && uniform && side.offsets.values.iter().all(|c| *c == 0.0)).then_some(rod)

@@ -28,7 +28,7 @@ const LENGTHS: f64 = 30.0;
 
 impl Solver {
     /// The plectoneme that a uniform rod snaps into whose end turns ([`turned_end`](super::growth::turned_end)); `None`
-    /// if it is not straight, not long, stable, or if loads or planes make places of it differ. Iterations on the short
+    /// if it is not straight, not long, stable, or if loads or obstacles make places of it differ. Iterations on the short
     /// rod are added to `elsewhere`.
     pub(super) fn snapped_short(&mut self, to: &State, elsewhere: &mut usize) -> Option<Guess> {
         let nodes = short_length(&self.engine)?;
@@ -99,7 +99,7 @@ fn short_length(engine: &Engine) -> Option<usize> {
     let last = x.len() - 1;
     let is_end = |node: usize| node == 0 || node == last;
     let even =
-        model.line_loads.is_empty() && model.planes.is_empty() && model.loads.iter().all(|l| is_end(l.node.node));
+        model.line_loads.is_empty() && model.obstacles.is_empty() && model.loads.iter().all(|l| is_end(l.node.node));
     let along: f64 = x.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
     let is_straight = (x[last] - x[0]).norm() >= (1.0 - NOTHING) * along;
     let tension = engine.actual_stress(&engine.state)[rod.num_elements / 2][0][2];

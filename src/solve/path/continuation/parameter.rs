@@ -37,12 +37,12 @@ impl Parameter {
     /// The ramp seen from the solver's present state.
     ///
     /// # Errors
-    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`] or a [`Ramp::Pose`]; a model with planes.
+    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`] or a [`Ramp::Pose`]; a model with obstacles.
     pub(super) fn new(solver: &Solver, ramp: &Ramp) -> Result<Self, InputError> {
-        if !solver.engine.model.planes.is_empty() {
+        if !solver.engine.model.obstacles.is_empty() {
             let reason =
-                "paths of rods that may touch planes cannot be followed: go in steps (`step_to`, `run`)".to_owned();
-            return Err(InputError::Inconsistent { field: "planes".to_owned(), reason });
+                "paths of rods that may touch planes or other obstacles cannot be followed: go in steps (`step_to`, `run`)".to_owned();
+            return Err(InputError::Inconsistent { field: "obstacles".to_owned(), reason });
         }
         let state = &solver.engine.state;
         let index = |n: &crate::scene::NodeRef| solver.engine.first_node[n.rod] + n.node;
@@ -62,8 +62,9 @@ impl Parameter {
                     "leads round a circle, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
                 return Err(InputError::Inconsistent { field: "ramp.rotation".to_owned(), reason });
             }
-            Ramp::Number { .. } | Ramp::Plane { .. } | Ramp::Hold(_) | Ramp::Release(_) => {
-                let reason = "numbers of rods, planes and supports change in steps only (`step_to`, `run`)".to_owned();
+            Ramp::Number { .. } | Ramp::Obstacle { .. } | Ramp::Hold(_) | Ramp::Release(_) => {
+                let reason =
+                    "numbers of rods, obstacles and supports change in steps only (`step_to`, `run`)".to_owned();
                 return Err(InputError::Inconsistent { field: "ramp".to_owned(), reason });
             }
             Ramp::Pose { .. } => {

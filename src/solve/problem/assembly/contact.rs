@@ -2,7 +2,7 @@
 
 use super::scatter::{TermBatch, TermKind, batch_size};
 use super::{Residual, Sink};
-use crate::contact::potential::{self, CandidateTerms, ContactGeometry, EndTerm, Offsets, Pressures, Request, plane};
+use crate::contact::potential::{self, CandidateTerms, ContactGeometry, EndTerm, Offsets, Pressures, Request, surface};
 use crate::error::{InputError, SolveError};
 use crate::math::parallel::{self, in_pool};
 use crate::solve::measures::AT_ONCE;
@@ -31,7 +31,7 @@ impl Engine {
     pub(super) fn add_contact(&self, request: Request, out: &mut Residual, mut sink: Option<&mut Sink>) {
         let Some(side) = &self.contact else { return };
         out.contact_gradient.resize(out.gradient.len(), 0.0);
-        self.add_planes(side, request, out, sink.as_deref_mut());
+        self.add_surfaces(side, request, out, sink.as_deref_mut());
         if side.broad_phase.pairs().is_empty() {
             return;
         }
@@ -99,25 +99,26 @@ fn add_to_contact(out: &mut Residual, nodes: &[usize], gradient: &[f64]) {
 }
 
 impl Engine {
-    /// Gradient and potential of contact with planes, tangent too if there is a sink for it.
-    fn add_planes(&self, side: &ContactSide, request: Request, out: &mut Residual, mut sink: Option<&mut Sink>) {
-        if side.planes.is_empty() {
+    /// Gradient and potential of contact with obstacles, tangent too if there is a sink for it.
+    fn add_surfaces(&self, side: &ContactSide, request: Request, out: &mut Residual, mut sink: Option<&mut Sink>) {
+        if side.surfaces.is_empty() {
             return;
         }
-        let offset = |segment, plane| side.offset_to_plane(segment, plane);
+        let offset = |segment, surface| side.offset_to_surface(segment, surface);
         let earlier = side.before.as_ref().filter(|_| sink.is_some());
-        let offset_before =
-            |segment, plane| earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends_for_plane(offsets, segment, plane));
+        let offset_before = |segment, surface| {
+            earlier.map_or([0.0; 2], |(_, offsets)| side.at_ends_for_surface(offsets, segment, surface))
+        };
         let before = earlier.map(|(law, _)| (*law, &offset_before as &Offsets));
         let pressures = Pressures { before, ..Pressures::of(side.law, &offset) };
-        for found in plane::evaluate(&side.set, &side.planes, &pressures, request) {
+        for found in surface::evaluate(&side.set, &side.surfaces, &pressures, request) {
             let nodes = side.nodes[found.contact.segment];
             out.potential.contact += found.energy;
             add_to_contact(out, &nodes, &found.gradient);
             if let (Some(sink), Some(blocks)) = (&mut sink, found.tangent) {
                 sink.add(&nodes, &blocks);
             }
-            out.plane_contacts.push(found.contact);
+            out.surface_contacts.push(found.contact);
         }
     }
 }
@@ -172,9 +173,8 @@ impl ContactSide {
             self.set.remainders[k] = lost;
             self.is_current &= std::mem::replace(&mut self.set.segments[k], now) == now;
         }
-        for (plane, height) in self.planes.iter_mut().zip(&state.plane_heights) {
-            plane.height = *height;
-        }
+        let placed = self.obstacles.iter().zip(&state.placements);
+        self.surfaces = placed.map(|(obstacle, placement)| obstacle.placed(placement)).collect();
     }
 }
 

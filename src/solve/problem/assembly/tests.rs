@@ -3,7 +3,9 @@
 use super::*;
 use crate::math::Vec3;
 use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
-use crate::scene::{Contact, ContactLaw, Electrostatics, LineLoad, Model, NodeLoad, NodeRef, Plane};
+use crate::scene::{
+    Contact, ContactLaw, Electrostatics, LineLoad, Model, NodeLoad, NodeRef, Obstacle, Placement, Side,
+};
 use crate::solve::problem::moment_load::work_of_moments;
 
 /// Two free rings that overlap, with dead loads and pressure, moved off every symmetry.
@@ -131,17 +133,94 @@ fn engine_on_planes() -> Engine {
     let Engine { mut model, state, .. } = engine();
     let plane = |name: &str, normal: Vec3, distance: f64| {
         let normal = normal.normalize();
-        Plane { name: name.to_owned(), point: normal * -distance + normal.cross(&Vec3::y()), normal }
+        Obstacle::plane(name, normal * -distance + normal.cross(&Vec3::y()), normal)
     };
-    model.planes = vec![plane("below", Vec3::new(0.6, 0.1, 0.8), 1.0), plane("beside", Vec3::new(-0.8, 0.3, 0.1), 2.0)];
+    model.obstacles =
+        vec![plane("below", Vec3::new(0.6, 0.1, 0.8), 1.0), plane("beside", Vec3::new(-0.8, 0.3, 0.1), 2.0)];
+    let at = |level: f64| Placement { level, ..Placement::default() };
+    touching(model, State { placements: vec![at(0.78), at(1.15)], load_factor: 0.0, ..state })
+}
+
+/// An engine in a state, under offsets towards obstacles that vary along the rods.
+fn touching(mut model: Model, state: State) -> Engine {
     model.loads.clear();
     model.line_loads.clear();
     let mut engine = Engine::new(model, None).unwrap();
-    engine.state = State { plane_heights: vec![0.78, 1.15], load_factor: 0.0, ..state };
+    engine.state = state;
     let side = engine.contact.as_mut().unwrap();
     let offset = |k: usize| if k < side.offsets.num_nodes() { 0.0 } else { 0.012 + 0.009 * (0.9 * k as f64).sin() };
     side.offsets = side.offsets.map(|k, _| offset(k));
     engine
+}
+
+/// The same with a tube, a ball, a post and a cavity, as `radii` say how much they have been blown up or tightened.
+fn engine_among_bodies(inside: bool) -> Engine {
+    let Engine { mut model, state, .. } = engine();
+    let points = || state.positions.iter();
+    let centre = points().sum::<Vec3>() / state.positions.len() as f64;
+    let axis = Vec3::new(0.5, -0.3, 0.8);
+    let e = axis.normalize();
+    let across = |x: &Vec3, from: &Vec3| ((x - from) - e * e.dot(&(x - from))).norm();
+    let far = |from: &Vec3| points().map(|x| (x - from).norm()).fold(0.0, f64::max);
+    let near = |from: &Vec3| points().map(|x| (x - from).norm()).fold(f64::INFINITY, f64::min);
+    let beside = centre + e.cross(&Vec3::y()) * (2.0 * far(&centre));
+    let (cylinder, sphere, levels) = if inside {
+        let level = points().map(|x| across(x, &centre)).fold(0.0, f64::max);
+        let of = (10.0 * level, Side::Inside);
+        (Obstacle::cylinder("tube", [centre, axis], of), Obstacle::sphere("cavity", centre, of), [level, far(&centre)])
+    } else {
+        let level = points().map(|x| across(x, &beside)).fold(f64::INFINITY, f64::min);
+        let of = (0.1 * level, Side::Outside);
+        let levels = [level, near(&beside)];
+        (Obstacle::cylinder("post", [beside, axis], of), Obstacle::sphere("ball", beside, of), levels)
+    };
+    model.obstacles = vec![cylinder, sphere];
+    let at = |level: f64| Placement { level, ..Placement::default() };
+    touching(model, State { placements: levels.map(at).to_vec(), load_factor: 0.0, ..state })
+}
+
+#[test]
+fn gradient_and_tangent_at_curved_surfaces_match_finite_differences() {
+    for inside in [true, false] {
+        let mut engine = engine_among_bodies(inside);
+        let state = engine.state.clone();
+        let residual = at(&mut engine, &state);
+        let touched = |k: usize| residual.surface_contacts.iter().filter(|contact| contact.surface == k).count();
+        assert!(touched(0) >= 2 && touched(1) >= 2, "{inside} {} {}", touched(0), touched(1));
+        check_derivatives(engine);
+    }
+}
+
+/// What a motion does to gaps beyond its linear part is of second order in it, sliding round a surface included.
+#[test]
+fn second_order_forces_at_curved_surfaces_grow_with_the_square() {
+    for inside in [true, false] {
+        let mut engine = engine_among_bodies(inside);
+        let state = engine.state.clone();
+        let v = direction(engine.num_nodes(), 0.5);
+        let mut missed = |by: f64| {
+            let increment: Vec<f64> = v.iter().map(|v| v * by).collect();
+            second_order_at_surfaces(&mut engine, &state, &increment)
+        };
+        let [half, whole] = [missed(1e-4), missed(2e-4)];
+        assert!(half > 1e-12 && (whole / half - 4.0).abs() < 0.2, "{inside} {half} {whole}");
+    }
+}
+
+/// Size of the second-order forces of contact with obstacles alone; strands have tests of their own.
+fn second_order_at_surfaces(engine: &mut Engine, state: &State, increment: &[f64]) -> f64 {
+    engine.update_contact(state).unwrap();
+    let pattern = engine.node_graph().natural();
+    let still = PrescribedMotion::default();
+    let mut here = engine.linearise(state, None, &still, (&pattern, &mut Tangent::default()));
+    here.contact_pairs.clear();
+    let there = state.moved(increment, 1.0);
+    engine.update_contact(&there).unwrap();
+    let mut after = engine.residual_of_trial(&there);
+    after.contact_pairs.clear();
+    let mut forces = vec![0.0; increment.len()];
+    engine.add_contact_second_order((state, increment), &here, &after, &mut forces);
+    forces.iter().map(|f| f * f).sum::<f64>().sqrt()
 }
 
 #[test]
@@ -149,7 +228,7 @@ fn gradient_and_tangent_on_planes_match_finite_differences() {
     let mut engine = engine_on_planes();
     let state = engine.state.clone();
     let residual = at(&mut engine, &state);
-    let touched = |plane: usize| residual.plane_contacts.iter().filter(|contact| contact.plane == plane).count();
+    let touched = |plane: usize| residual.surface_contacts.iter().filter(|contact| contact.surface == plane).count();
     assert!(touched(0) >= 3 && touched(1) >= 3, "{} {}", touched(0), touched(1));
     // contact alone: its gradient is the slope of its energy
     let v = direction(engine.num_nodes(), 0.5);
@@ -169,22 +248,7 @@ fn gradient_and_tangent_on_planes_match_finite_differences() {
 fn planes_are_surprised_by_turning_handles_only() {
     let mut engine = engine_on_planes();
     let state = engine.state.clone();
-    engine.update_contact(&state).unwrap();
-    let pattern = engine.node_graph().natural();
-    let still = PrescribedMotion::default();
-    let residual = engine.linearise(&state, None, &still, (&pattern, &mut Tangent::default()));
-    let mut missed = |increment: &[f64]| {
-        let there = state.moved(increment, 1.0);
-        engine.update_contact(&there).unwrap();
-        // strands are left out: they have tests of their own
-        let mut here = residual.clone();
-        here.contact_pairs.clear();
-        let mut after = engine.residual_of_trial(&there);
-        after.contact_pairs.clear();
-        let mut forces = vec![0.0; increment.len()];
-        engine.add_contact_second_order((&state, increment), &here, &after, &mut forces);
-        forces.iter().map(|f| f * f).sum::<f64>().sqrt()
-    };
+    let mut missed = |increment: &[f64]| second_order_at_surfaces(&mut engine, &state, increment);
     let count = state.positions.len();
     let along: Vec<f64> = (0..6 * count).map(|i| if i % 6 < 3 { [3e-6, -2e-6, 1e-6][i % 6] } else { 0.0 }).collect();
     assert!(missed(&along) < 1e-9, "{}", missed(&along));

@@ -59,7 +59,7 @@ fn places_that_meet_are_one() {
 fn segments_belong_to_the_nearest_place() {
     let set = strands();
     let entries = vec![entry(1, 0, [9.5, 10.5]), entry(1, 0, [4.0, 5.0])];
-    let numbers = ContactField { num_nodes: 3, num_planes: 0, values: vec![0.1, 0.2, 0.3, 7.0, 8.0], entries };
+    let numbers = ContactField { num_nodes: 3, num_surfaces: 0, values: vec![0.1, 0.2, 0.3, 7.0, 8.0], entries };
     let of = |node: usize, segment: usize| numbers.at(&set, node, segment);
     let expected = [7.0, 7.0, 8.0, 8.0, 8.0, 8.0, 8.0, 7.0, 7.0, 7.0];
     for (segment, expected) in expected.into_iter().enumerate() {
@@ -97,10 +97,10 @@ fn segments_belong_to_the_nearest_place() {
 fn planes_have_numbers_of_their_own() {
     let set = strands();
     let values = vec![0.1, 0.2, 0.3, 1.0, 2.0, 3.0, -1.0, -2.0, -3.0, 7.0];
-    let numbers = ContactField { num_nodes: 3, num_planes: 2, values, entries: vec![entry(1, 0, [4.0, 5.0])] };
+    let numbers = ContactField { num_nodes: 3, num_surfaces: 2, values, entries: vec![entry(1, 0, [4.0, 5.0])] };
     assert!(numbers.fits([3, 2], &set) && !numbers.fits([3, 1], &set));
     assert_eq!(
-        (numbers.values[numbers.index_of_plane(2, 0)], numbers.values[numbers.index_of_plane(0, 1)]),
+        (numbers.values[numbers.index_of_surface(2, 0)], numbers.values[numbers.index_of_surface(0, 1)]),
         (3.0, -1.0)
     );
     assert_eq!(numbers.at(&set, 1, 4), 7.0);
@@ -188,8 +188,8 @@ fn restarts_carry_all_offsets() {
 fn numbers_move_with_their_nodes() {
     let values = vec![0.1, 0.2, 0.3, 1.1, 1.2, 1.3, 7.0, 8.0];
     let entries = vec![entry(1, 0, [9.5, 10.5]), entry(1, 0, [4.0, 5.0])];
-    let numbers = ContactField { num_nodes: 3, num_planes: 1, values, entries };
+    let numbers = ContactField { num_nodes: 3, num_surfaces: 1, values, entries };
     let moved = numbers.moved([2, 1, 1, 0].into_iter());
     assert_eq!(moved.values, [0.3, 8.0, 8.0, 0.1, 1.3, 1.2, 1.2, 1.1]);
-    assert_eq!((moved.num_nodes, moved.num_planes, moved.entries.len()), (4, 1, 0));
+    assert_eq!((moved.num_nodes, moved.num_surfaces, moved.entries.len()), (4, 1, 0));
 }

@@ -5,8 +5,8 @@
 //! along themselves is left to the mesh's ripple.
 
 use super::{
-    Supports, holds_all, is_falling, is_free, is_round, least_size, left_alone, normals_of, rigid_motions, spin_of,
-    subtract, subtract_force,
+    Supports, holds_all, is_falling, is_free, is_round, least_size, left_alone, rigid_motions, spin_of, subtract,
+    subtract_force, touched_by,
 };
 use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
@@ -55,7 +55,7 @@ impl Several {
             }
             let is_held = group.iter().any(|&rod| holds_all(engine, rod));
             let nodes: Vec<usize> = group.iter().flat_map(|rod| engine.nodes(*rod)).collect();
-            let touched = normals_of(engine, &residual.plane_contacts, &group);
+            let touched = touched_by(engine, &residual.surface_contacts, &group);
             let rigid = if is_held { Vec::new() } else { rigid_motions(engine, state, &nodes, &touched) };
             if group.iter().all(|rod| floats(*rod)) {
                 if touched.is_empty() {

@@ -153,7 +153,7 @@ impl Workspace {
 }
 
 /// Extent of a step: the largest rotation of a node, rad, or the largest relative displacement of strands in contact
-/// over their contact distance (at planes along the normal only, because sliding changes nothing there), or the largest
+/// over their contact distance (at obstacles along the normal only, because sliding changes nothing there), or the largest
 /// displacement of a rod that falls over the model's length.
 fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let falling = (0..engine.model.rods.len()).filter(|rod| is_falling(engine, *rod));
@@ -165,11 +165,12 @@ fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
         (displacement(step, a) - displacement(step, b)).norm()
             / (side.set.radius_of(term.slave) + side.set.radius_of(term.master))
     };
-    let lifting = |contact: &crate::contact::potential::plane::PlaneContact| {
-        let normal = side.planes[contact.plane].normal;
+    let lifting = |contact: &crate::contact::potential::surface::SurfaceContact| {
+        let surface = &side.surfaces[contact.surface];
+        let normal = surface.normal(&(side.set.segments[contact.segment].b[0] - surface.point()));
         displacement(step, side.nodes[contact.segment][0]).dot(&normal).abs()
             / (2.0 * side.set.radius_of(contact.segment))
     };
-    let turn = residual.plane_contacts.iter().map(lifting).fold(turn, f64::max);
+    let turn = residual.surface_contacts.iter().map(lifting).fold(turn, f64::max);
     residual.contact_pairs.iter().map(sliding).fold(turn, f64::max)
 }
