@@ -16,6 +16,7 @@ use std::time::Duration;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use console::Term;
 use supercoil::dna::sequence::Sequence;
+use supercoil::io::asked::free_energy_difference;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
 use supercoil::io::export::{Formats, base_pairs};
 use supercoil::io::plot_run::{PLOTTED, RunTable};
@@ -102,6 +103,17 @@ enum Command {
     },
     /// Plot columns of a table of a run as SVG or PDF. A dashed line joins the steps between which the rods snapped.
     Plot(PlotChoice),
+    /// Print the harmonic free energy of a run's final state less that of another run of the same rods on the same mesh. Both
+    /// scenes need `free_energy = true` under `[output]`.
+    FreeEnergy {
+        /// Folder of the run.
+        dir: PathBuf,
+        /// Folder of the run that it is compared with.
+        reference: PathBuf,
+        /// Thermal energy, F L [default: that of the scene's temperature, where units are nm and pN].
+        #[arg(long = "kT", value_name = "KT")]
+        thermal_energy: Option<f64>,
+    },
     /// Check a scene file without running it.
     Check {
         /// Scene file (TOML).
@@ -264,6 +276,12 @@ pub fn program(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
         Command::View { dir, glb, color, .. } => view(&dir, glb, &color),
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
         Command::Export(what) => export(&what),
+        Command::FreeEnergy { dir, reference, thermal_energy } => {
+            free_energy_difference(&dir, &reference, thermal_energy).map(|found| {
+                say(format_args!("{found}"));
+                CONVERGED
+            })
+        }
         Command::Sweep { command } => command.go(),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
         Command::Plot(what) => plot(&what),
@@ -563,8 +581,9 @@ fn print_results(outcome: &Outcome, units: &Units, thermal: Option<(f64, f64)>, 
     if let Some(estimate) = &outcome.error_estimate {
         say(format_args!("{}", estimate.in_units(units)));
     }
-    if let Some(modes) = &outcome.modes {
-        say(format_args!("{modes}"));
+    let answers = outcome.answers.to_string();
+    if !answers.is_empty() {
+        say(format_args!("{}", answers.trim_end()));
     }
     if let Some(last) = outcome.steps.last().filter(|_| outcome.status == Status::Converged) {
         say(format_args!("{}", last.certificate));

@@ -6,6 +6,8 @@
 //! of runs).
 
 #[cfg(feature = "runs")]
+pub mod asked;
+#[cfg(feature = "runs")]
 pub mod checkpoint;
 #[cfg(feature = "tables")]
 pub mod csv;

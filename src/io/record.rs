@@ -17,8 +17,9 @@ use crate::observe::report::{Energies, LineSample, Linking, Observation, SiteRep
 use crate::scene::file::{OutputChoice, PictureChoice};
 use crate::scene::{Obstacle, Placement, Scene, Units};
 use crate::solve::NodalFields;
-use crate::tangent::Modes;
+use crate::tangent::Harmonic;
 
+use super::asked::{Answers, Sensitivity};
 use super::csv::{RodState, state_text, write_state};
 use super::detail::{every, within};
 use super::fingerprint::Fingerprint;
@@ -148,6 +149,10 @@ struct SummaryFile<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     modes: Option<modes::Summary>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    harmonic: Option<&'a [Harmonic; 2]>,
+    #[serde(skip_serializing_if = "<[Sensitivity]>::is_empty")]
+    sensitivities: &'a [Sensitivity],
+    #[serde(skip_serializing_if = "Option::is_none")]
     thermal: Option<Thermal>,
     steps: &'a [Observation],
 }
@@ -231,7 +236,7 @@ pub struct Record {
     last_written: Option<usize>,
     pvd: PvdWriter,
     error_estimate: Option<ErrorEstimate>,
-    modes: Option<Modes>,
+    answers: Answers,
     failure: Option<String>,
     obstacles: Vec<Obstacle>,
 }
@@ -274,7 +279,7 @@ impl Record {
             last_written: None,
             pvd: PvdWriter::new(dir.join(files::COLLECTION)),
             error_estimate: None,
-            modes: None,
+            answers: Answers::default(),
             failure: None,
         })
     }
@@ -370,9 +375,9 @@ impl Record {
         self.error_estimate = Some(estimate);
     }
 
-    /// Sets the softest modes of the final state.
-    pub(crate) fn set_modes(&mut self, modes: Modes) {
-        self.modes = Some(modes);
+    /// Sets what the tangent at the final state says.
+    pub(crate) fn set_answers(&mut self, answers: Answers) {
+        self.answers = answers;
     }
 
     /// Writes the remaining files; `status` describes how the run ended.
@@ -445,7 +450,9 @@ impl Record {
             seconds,
             last,
             error_estimate,
-            modes: self.modes.as_ref().map(modes::Summary::of),
+            modes: self.answers.modes.as_ref().map(modes::Summary::of),
+            harmonic: self.answers.harmonic.as_ref(),
+            sensitivities: &self.answers.sensitivities,
             thermal,
             steps,
         };

@@ -13,10 +13,10 @@ use crate::scene::file::{FollowChoice, FollowStart};
 use crate::scene::{Fidelity, Ramp, Scene, Stage};
 use crate::solve::{
     self, Engine, Failure, FollowOptions, Interrupt, NewtonOptions, NodalFields, Options, PathEnd, PathPoint,
-    PointKind, Progress, Restart, RunError, Solver, Start, Status, Waypoint,
+    PointKind, Progress, Restart, RunError, Start, Status, Waypoint,
 };
-use crate::tangent::{Contacts, Modes, Tangent};
 
+use super::asked::{Answers, Asked};
 use super::checkpoint::{Checkpoint, FILE_NAME};
 use super::fingerprint::Fingerprint;
 use super::folder;
@@ -38,8 +38,8 @@ pub struct Outcome {
     pub failure: Option<Failure>,
     /// An estimate of the final state's error, if the scene asks for it and the run converged.
     pub error_estimate: Option<ErrorEstimate>,
-    /// The softest modes of the final state, if the scene asks for them and the run converged.
-    pub modes: Option<Modes>,
+    /// What the scene asks of the tangent at the final state, if the run converged.
+    pub answers: Answers,
 }
 
 /// Solver options of a scene: its choices over the defaults.
@@ -127,6 +127,8 @@ impl SceneRun {
     /// [`RunError`]: input refused (files that cannot be written included), a folder in which another run is writing or
     /// which holds the results of another scene, or numbers that broke down.
     pub fn start(self, watch: &mut Watch) -> Result<Outcome, RunError> {
+        // before files of an earlier run are removed
+        Asked::of(&self.scene)?;
         let _lock = folder::lock(&self.dir)?;
         if !self.force {
             folder::check(&self.dir, &self.scene)?;
@@ -167,7 +169,8 @@ impl SceneRun {
     ) -> Result<Outcome, RunError> {
         let mut options = options(&self.scene);
         options.newton.interrupt = self.interrupt.clone();
-        let mut keeper = Keeper::new(&self, record, from.clone(), seconds_before);
+        let asked = Asked::of(&self.scene)?;
+        let mut keeper = Keeper::new(&self, record, from.clone(), (seconds_before, asked));
         let mut failed: Option<InputError> = None;
         let mut observer = |progress: &Progress, waypoint: &Waypoint| {
             let mut observation = observe::observe(progress);
@@ -227,12 +230,12 @@ struct Keeper {
     fidelity: Option<Fidelity>,
     /// Whether the error of the final state is to be estimated.
     estimates: bool,
-    /// How many softest modes of the final state are to be found.
-    modes: usize,
+    /// What is asked of the tangent at the final state.
+    asked: Asked,
 }
 
 impl Keeper {
-    fn new(run: &SceneRun, record: Record, from: Option<Restart>, seconds_before: f64) -> Self {
+    fn new(run: &SceneRun, record: Record, from: Option<Restart>, (seconds_before, asked): (f64, Asked)) -> Self {
         let (scene, started) = (&run.scene, Instant::now());
         Self {
             record,
@@ -250,7 +253,7 @@ impl Keeper {
             links: EndLinks::new(&scene.model, &scene.stages),
             fidelity: scene.fidelity,
             estimates: scene.output.error_estimate,
-            modes: scene.output.modes,
+            asked,
         }
     }
 
@@ -365,10 +368,10 @@ impl Keeper {
                 self.write()?;
             }
         }
-        let ended = result.as_mut().ok().filter(|_| converged && self.modes > 0);
-        let modes = ended.map(|solution| softest(&mut solution.solver, self.modes)).transpose();
-        if let Ok(Some(modes)) = &modes {
-            self.record.set_modes(modes.clone());
+        let ended = result.as_mut().ok().filter(|_| converged);
+        let answers = ended.map(|solution| self.asked.answer(&mut solution.solver)).transpose();
+        if let Ok(Some(answers)) = &answers {
+            self.record.set_answers(answers.clone());
         }
         let wanted = result.as_ref().ok().filter(|_| converged && self.estimates);
         let estimated = wanted.map(|solution| observe::estimate_error(&solution.solver)).transpose();
@@ -377,7 +380,7 @@ impl Keeper {
         }
         // also without an estimate: the run itself has converged
         self.record.finish(converged && self.record.holds(), &status, seconds)?;
-        let (error_estimate, modes) = (estimated?, modes?);
+        let (error_estimate, answers) = (estimated?, answers?.unwrap_or_default());
         if converged && self.on_disk {
             // the outputs are complete; a checkpoint that cannot be removed does no harm
             std::fs::remove_file(&self.path).ok();
@@ -391,14 +394,9 @@ impl Keeper {
             seconds,
             checkpoint,
             error_estimate,
-            modes,
+            answers,
         })
     }
-}
-
-/// The softest modes of a solver's state.
-fn softest(solver: &mut Solver, count: usize) -> Result<Modes, RunError> {
-    Ok(Tangent::at(solver, Contacts::ByLaw)?.modes(count)?)
 }
 
 /// Note on the kind of a point of a path, if it is special.

@@ -164,6 +164,15 @@ pub struct OutputChoice {
     /// Number of softest modes of the final state, see `tangent::Tangent::modes` in the library: `modes.vtp` has their
     /// shapes, `summary.json` their eigenvalues.
     pub modes: usize,
+    /// Whether `summary.json` has the parts of the harmonic free energy of the final state, for `supercoil free-energy`.
+    pub free_energy: bool,
+    /// Observables of the final state that are differentiated: `energy`, `contact_force`, `twist`, `writhe`, `extension`,
+    /// `seam_moment`, of the first rod or (`writhe:NAME`) of another; see `tangent::Observable` in the library.
+    pub sensitivity_of: Vec<String>,
+    /// What they are differentiated with respect to: `load`, `link`, `pressure`, `bending`, `twisting`, `stretching`,
+    /// `shearing`, `contact_radius`, `length`, `natural_twist` …, of the first rod or (`bending:NAME`) of another; see
+    /// `tangent::Parameter` in the library.
+    pub sensitivity_to: Vec<String>,
     /// Folder of the files, relative to where the program runs; the command line's `--out` takes precedence.
     #[schemars(extend("x-default" = "out/NAME"))]
     pub dir: Option<PathBuf>,
@@ -308,6 +317,9 @@ impl Default for OutputChoice {
             checkpoint_seconds: 60.0,
             error_estimate: false,
             modes: 0,
+            free_energy: false,
+            sensitivity_of: Vec::new(),
+            sensitivity_to: Vec::new(),
             dir: None,
         }
     }

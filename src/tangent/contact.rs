@@ -17,6 +17,7 @@ use crate::contact::law::{Law, shortest_line};
 use crate::contact::potential::second_order::gap_gradients;
 use crate::contact::potential::surface::{SurfacePiece, surface_runs};
 use crate::math::groups::Groups;
+use crate::scene::ContactLaw;
 use crate::solve::Engine;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_side::ContactSide;
@@ -37,6 +38,18 @@ pub enum Contacts {
     Locked,
     /// Nothing resists their change: forces stay, and turn with the strands.
     Free,
+}
+
+impl Contacts {
+    /// What a derivative of an equilibrium under a law is made with: gaps stay closed under the augmented Lagrangian, and
+    /// give under a penalty.
+    #[must_use]
+    pub fn of_law(law: ContactLaw) -> Self {
+        match law {
+            ContactLaw::AugmentedLagrangian { .. } | ContactLaw::ByMesh { .. } => Self::Locked,
+            ContactLaw::Penalty { .. } | ContactLaw::None => Self::ByLaw,
+        }
+    }
 }
 
 /// A pair of segments, the smaller index first, or a segment and an obstacle.

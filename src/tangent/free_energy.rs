@@ -16,8 +16,10 @@
 //! where the springs are. Mesh and measure are in F: only differences between states of the same rods on the same
 //! mesh mean anything.
 //!
-//! Contact is one-sided, and F has two bounds: contacts free (their stiffness out), and locked. A locked point of
-//! contact with the force f keeps its gap within kT/f, which is the width that it has in the integral.
+//! Contact is one-sided. Of a contact with the force f and the stiffness k of its gap the integral is that of
+//! exp(−(fg + ½kg²)/kT) over g ≥ 0. Free contacts have it over all g and without f, locked ones kT/f, the width in
+//! which the force holds the gap. Both are too large, so that F lies above either; for one contact above the larger one
+//! by at most 0.98 kT, where both are equal (½ exp(t²) erfc(t) at t = f/√(2k kT) = 1/2√π), and less where they differ.
 
 use std::f64::consts::{PI, TAU};
 

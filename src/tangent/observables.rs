@@ -88,8 +88,8 @@ impl Observable {
             Self::Position { node, axis } => is_node(node) && *axis < 3,
             Self::Reaction { node, component } => is_node(node) && *component < 6,
         };
-        let reason = "is no number of this model: twist is that of rods in space, writhe and seam moment are those of closed \
-                      rods, extension is that of open ones";
+        let reason = "is no number of this model: twist is that of rods in space, writhe and seam moment are those of \
+                      closed rods, extension is that of open ones";
         if fits { Ok(()) } else { Err(InputError::inconsistent(format!("{self:?}"), reason)) }
     }
 

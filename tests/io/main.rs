@@ -41,6 +41,7 @@ mod scene_tables;
 mod stage_changes;
 mod survive;
 mod sweep;
+mod tangent;
 mod tasks;
 mod told;
 mod view;

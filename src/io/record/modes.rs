@@ -35,7 +35,7 @@ impl Summary {
 impl Record {
     /// Writes the shapes of the modes, if there are any, at the nodes that the VTK files of steps have.
     pub(super) fn write_modes(&self, frame: &RecordedFrame) -> Result<(), InputError> {
-        let Some(modes) = &self.modes else { return Ok(()) };
+        let Some(modes) = &self.answers.modes else { return Ok(()) };
         let names: Vec<[String; 3]> = (1..=modes.modes.len())
             .map(|k| [format!("mode_{k}"), format!("mode_{k}_rotation"), format!("eigenvalue_{k}")])
             .collect();

@@ -112,11 +112,6 @@ impl Linearised {
         x
     }
 
-    /// The forces of the tangent against a motion.
-    pub(crate) fn multiply(&self, motion: &[f64]) -> Vec<f64> {
-        self.product(&self.tangent, motion)
-    }
-
     /// The forces against a motion of what holds zero-energy modes: springs, and a spring of unit stiffness along the
     /// sliding constraint.
     pub(crate) fn holding(&self, motion: &[f64]) -> Vec<f64> {

@@ -1,0 +1,85 @@
+//! What a scene requests of the tangent: modes, free energies, sensitivities, in files and on the terminal.
+
+#![allow(clippy::unwrap_used)] // a test stops where it cannot go on
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use serde_json::Value;
+use supercoil::io::vtk::read_vtp;
+
+use crate::program::{folder, run, supercoil};
+
+/// A ring of C/B = 1.5 and length 1 with an excess link, in the plane of its circle.
+fn ring(link: f64, outputs: &str) -> String {
+    format!(
+        "[[rods]]\nname = \"ring\"\nclosed = true\nshape = {{ kind = \"circle\", length = 1.0 }}\nelements = 16\n\
+         section = {{ bending = 1.0, twisting = 1.5, stretching = 1e6, shearing = 1e6, contact_radius = 0.0 }}\n\
+         [[stages]]\nramp = {{ excess_link = {{ to = {link:?} }} }}\nsteps = 2\n\
+         [output]\npicture = false\nview = false\n{outputs}\n"
+    )
+}
+
+fn summary(dir: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(dir.join("out/summary.json")).unwrap()).unwrap()
+}
+
+const ALL: &str = "modes = 4\nfree_energy = true\nsensitivity_of = [\"energy\", \"twist:ring\"]\n\
+                   sensitivity_to = [\"link\", \"twisting\"]";
+
+#[test]
+fn modes_free_energies_and_sensitivities_of_runs() {
+    let [less, more] = ["less", "more"].map(folder);
+    let (code, _, error) = run(&less, &ring(0.2, ALL));
+    assert_eq!(code, 0, "{error}");
+    let (code, printed, error) = run(&more, &ring(0.4, ALL));
+    assert_eq!(code, 0, "{error}");
+    assert!(printed.contains("softest modes") && printed.contains("d(energy)/d(link)"), "{printed}");
+    let [flat, twisted] = [summary(&less), summary(&more)];
+    let product = |summary: &Value| -> f64 {
+        summary["modes"]["eigenvalues"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).product()
+    };
+    let of = |x: f64| (1.0 - x * x / 3.0).powi(2);
+    assert!((product(&twisted) / product(&flat) / (of(0.6) / of(0.3)) - 1.0).abs() < 1e-4);
+    let slopes: Vec<f64> =
+        twisted["sensitivities"].as_array().unwrap().iter().map(|s| s["value"].as_f64().unwrap()).collect();
+    for (found, exact) in slopes.iter().zip([4.0 * PI * PI * 1.5 * 0.4, 2.0 * PI * PI * 0.16, 1.0, 0.0]) {
+        assert!((found - exact).abs() < 1e-4, "{slopes:?}");
+    }
+    let shapes = read_vtp(&more.join("out/modes.vtp")).unwrap();
+    assert!(format!("{shapes:?}").contains("mode_4_rotation"));
+    let [less, more] = [less, more].map(|dir| dir.join("out"));
+    let command = ["free-energy", more.to_str().unwrap(), less.to_str().unwrap(), "--kT", "0.02"];
+    let out = supercoil(&command);
+    let text = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let number = |after: &str| -> f64 {
+        let rest = text.split(after).nth(1).unwrap();
+        rest.trim_start().split([',', ' ']).next().unwrap().parse().unwrap()
+    };
+    let elastic = 2.0 * PI * PI * 1.5 * (0.16 - 0.04) / 0.02;
+    let thermal = number("free energy") - number("potential");
+    let p = |x: f64| -2.0 * (PI * (1.0 + x * x).sqrt()).sin() / (PI * x * x * (1.0 + x * x).sqrt());
+    assert!((number("potential") - elastic).abs() < 1e-2, "{text}");
+    // on this mesh; it converges as the node spacing
+    assert!((thermal - (p(0.6) / p(0.3)).ln()).abs() < 0.02, "{text}");
+    // units are not nm and pN: kT is not known
+    let out = supercoil(&command[..3]);
+    assert!(!out.status.success() && String::from_utf8_lossy(&out.stderr).contains("kT"));
+}
+
+#[test]
+fn misspelt_sensitivities_are_refused_before_the_run() {
+    let dir = folder("misspelt");
+    let wrong = [
+        ("sensitivity_of = [\"writing\"]\nsensitivity_to = [\"load\"]", "writhe"),
+        ("sensitivity_of = [\"writhe:rung\"]\nsensitivity_to = [\"load\"]", "ring"),
+        ("sensitivity_of = [\"writhe\"]\nsensitivity_to = [\"bend\"]", "bending"),
+        ("sensitivity_of = [\"writhe\"]", "sensitivity_to"),
+    ];
+    for (outputs, named) in wrong {
+        let (code, _, error) = run(&dir, &ring(0.1, outputs));
+        assert!(code != 0 && error.contains(named), "{code} {error}");
+        assert!(!dir.join("out/summary.json").exists());
+    }
+}
