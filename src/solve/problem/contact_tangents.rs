@@ -1,40 +1,33 @@
-//! Tangents of the contact centrelines at the nodes: r′ in the frame of the node.
+//! Tangents of the contact centrelines at the nodes: the direction of r′ in the frame of the node.
 //!
-//! The contact centreline between two neighbouring nodes is the cubic Hermite curve through them with the tangents λ R v, R
-//! the frame of a node. The direction v is e3 along rods that are hardly sheared: a shear γ that is left out makes ripples of
-//! ±.1 γ h between nodes h apart, whose mean is zero. The length λ is 1 along rods that are hardly stretched: a stretch that is
-//! left out puts the curve (λ − 1) κ (λh)²/8 beside the rod where its curvature is κ. Along others both are measured
-//! (`measured_tangents`). Like contact pressures, they are held fixed while the potential falls, so that contact stays a
-//! function of positions and frames of two nodes a segment.
+//! The contact centreline between two neighbouring nodes is the cubic Hermite curve through them with the tangents R v, R
+//! the frame of a node. v is e3 along rods that are hardly sheared: a shear γ that is left out makes ripples of ±.1 γ h
+//! between nodes h apart, whose mean is zero. Along others it is measured (`measured_tangents`). Like contact pressures, v
+//! is held fixed while the potential falls, so that contact stays a function of positions and frames of two nodes a segment.
 
 use crate::contact::curve::Cubic;
 use crate::math::Vec3;
 use crate::math::two_sum::two_sum;
 use crate::solve::problem::state::State;
 
-/// Per node: r′ in the frame of the node, as direction and length.
+/// Per node: the unit tangent in the frame of the node.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct MaterialTangents {
-    /// Unit vectors.
-    pub(in crate::solve) directions: Vec<Vec3>,
-    /// Length per reference length \[1\].
-    pub(in crate::solve) stretches: Vec<f64>,
-}
+pub(crate) struct MaterialTangents(pub(in crate::solve) Vec<Vec3>);
 
 impl MaterialTangents {
-    /// The directions d3, not stretched.
+    /// The directors d3.
     pub(in crate::solve) fn directors(num_nodes: usize) -> Self {
-        Self { directions: vec![Vec3::z(); num_nodes], stretches: vec![1.0; num_nodes] }
+        Self(vec![Vec3::z(); num_nodes])
     }
 
-    /// Whether any is not along d3.
+    /// Whether any is not d3.
     pub(in crate::solve) fn are_sheared(&self) -> bool {
-        self.directions.iter().any(|direction| *direction != Vec3::z())
+        self.0.iter().any(|tangent| *tangent != Vec3::z())
     }
 
     /// Tangent at a node \[1\].
     pub(in crate::solve) fn at(&self, state: &State, node: usize) -> Vec3 {
-        state.frames[node] * (self.directions[node] * self.stretches[node])
+        state.frames[node] * self.0[node]
     }
 
     /// The contact centreline between two neighbouring nodes, `length` apart along the rod, and the rounding errors of its

@@ -10,60 +10,46 @@ use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
-/// Deviation of fitted tangents, rad or of their length, from which they are renewed, because forces change by as little.
+/// Deviation of fitted tangents, rad, from which they are renewed, because forces change by as little.
 const FOLLOWED: f64 = 1e-3;
 /// Shear from which tangents are fitted, because up to it directors are off by a hundredth.
 const SHEARED: f64 = 0.1;
-/// Stretch from which lengths of tangents are fitted, because up to it the curve is off by κ(λh)²/800 at most.
-const STRETCHED: f64 = 1e-2;
 
 impl Engine {
-    /// Tangents for a state: d3 along rods that are nowhere sheared by more than [`SHEARED`], of length 1 along those that are
-    /// nowhere stretched by more than [`STRETCHED`].
+    /// Tangents for a state: d3 along rods that are nowhere sheared by more than [`SHEARED`].
     pub(in crate::solve) fn tangents_of(&self, state: &State) -> MaterialTangents {
         self.replaced(&MaterialTangents::directors(self.num_nodes()), state)
     }
 
     /// The tangents of a state along rods where one of those known is off by more than [`FOLLOWED`], or [`SHEARED`] where they
-    /// are directors; lengths likewise, by [`FOLLOWED`], or [`STRETCHED`] where they are 1. A rod has either all of them or none,
-    /// because a jump from one node to the next would be a bend.
-    fn replaced(&self, known: &MaterialTangents, state: &State) -> MaterialTangents {
+    /// are directors. A rod has either all its tangents or none, because a jump from one node to the next would be a bend.
+    fn replaced(&self, MaterialTangents(known): &MaterialTangents, state: &State) -> MaterialTangents {
         let mut tangents = self.measured_tangents(state);
         for nodes in (0..self.model.rods.len()).map(|rod| self.nodes(rod)) {
-            let (old, new) = (&known.directions[nodes.clone()], &mut tangents.directions[nodes.clone()]);
-            let tol = if old.iter().any(|v| *v != Vec3::z()) { FOLLOWED } else { SHEARED };
-            if old.iter().zip(&*new).all(|(old, new)| old.angle(new) <= tol) {
-                new.copy_from_slice(old);
-            }
-            let (old, new) = (&known.stretches[nodes.clone()], &mut tangents.stretches[nodes]);
-            let tol = if old.iter().any(|length| *length != 1.0) { FOLLOWED } else { STRETCHED };
-            if old.iter().zip(&*new).all(|(old, new)| (old - new).abs() <= tol) {
-                new.copy_from_slice(old);
+            let is_sheared = nodes.clone().any(|n| known[n] != Vec3::z());
+            let tol = if is_sheared { FOLLOWED } else { SHEARED };
+            let is_off = |n: usize| known[n].angle(&tangents[n]) > tol;
+            if !nodes.clone().any(is_off) {
+                tangents[nodes.clone()].copy_from_slice(&known[nodes]);
             }
         }
-        tangents
+        MaterialTangents(tangents)
     }
 
     /// The tangents that the strains of a state tell: at each node the mean of those of its elements.
-    fn measured_tangents(&self, state: &State) -> MaterialTangents {
+    fn measured_tangents(&self, state: &State) -> Vec<Vec3> {
         let at_nodes = parallel::map(self.elements.len(), parallel::CHEAP, &|e| self.tangents_in(state, e));
-        let mut sums = vec![(Vec3::zeros(), 0.0); self.num_nodes()];
+        let mut sums = vec![Vec3::zeros(); self.num_nodes()];
         for (element, tangents) in self.elements.iter().zip(&at_nodes) {
             let order = self.model.rods[element.rod].order;
             for (a, tangent) in tangents[..=order].iter().enumerate() {
                 let through_seam = element.closes && a == order;
                 // from the frame at s = L to that at s = 0
                 let own = if through_seam { spin(state.seams[element.rod]) * tangent } else { *tangent };
-                let (sum, count) = &mut sums[element.nodes[a]];
-                *sum += own;
-                *count += 1.0;
+                sums[element.nodes[a]] += own;
             }
         }
-        let direction = |sum: &Vec3| sum.try_normalize(0.0).unwrap_or(Vec3::z());
-        MaterialTangents {
-            directions: sums.iter().map(|(sum, _)| direction(sum)).collect(),
-            stretches: sums.iter().map(|(sum, count)| sum.norm() / count).collect(),
-        }
+        sums.into_iter().map(|sum| sum.try_normalize(0.0).unwrap_or(Vec3::z())).collect()
     }
 
     /// r′ at the nodes of an element: the polynomial through its values at the integration points.
@@ -140,42 +126,6 @@ mod tests {
             let farthest = points.map(|r| (r.norm() - 1.0).abs()).fold(0.0, f64::max);
             assert!(farthest < 2e-5, "tilted by {angle}: {farthest:e}");
         }
-    }
-
-    /// Between nodes the centreline of a stretched ring is a circle, to the fourth order of the spacing; with handles of the
-    /// reference length it would be (λ − 1) κ (λh)²/8 beside it.
-    #[test]
-    fn the_centreline_of_a_stretched_ring_is_a_circle() {
-        for (stretch, tilt) in [(1.1, 0.0), (1.3, 0.0), (0.8, 0.0), (1.2, 0.4)] {
-            let mut engine = tilted_rings(1, (tilt, 0.0), 0.1);
-            engine.state.positions.iter_mut().for_each(|p| *p *= stretch);
-            engine.take_tangents();
-            let state = engine.state.clone();
-            engine.update_contact(&state).unwrap();
-            let side = engine.contact.as_ref().unwrap();
-            assert_eq!(side.tangents.are_sheared(), tilt != 0.0);
-            let points = side.set.segments.iter().flat_map(|s| (0..8).map(|k| s.point(f64::from(k) / 8.0)));
-            let farthest = points.map(|r| (r.norm() / stretch - 1.0).abs()).fold(0.0, f64::max);
-            let spacing = std::f64::consts::TAU / 48.0;
-            assert!((stretch - 1.0).abs() * spacing * spacing / 8.0 > 10.0 * 2e-5);
-            assert!(farthest < 2e-5, "stretched by {stretch}: {farthest:e}");
-            assert!(!engine.follow_tangents());
-        }
-    }
-
-    /// Rods that are hardly stretched keep handles of the reference length, to the bit.
-    #[test]
-    fn hardly_stretched_rods_have_handles_of_the_reference_length() {
-        let mut engine = tilted_ring(0.0);
-        let stretched = |engine: &mut Engine, by: f64| engine.state.positions.iter_mut().for_each(|p| *p *= by);
-        stretched(&mut engine, 1.009);
-        assert_eq!(engine.tangents_of(&engine.state), MaterialTangents::directors(engine.num_nodes()));
-        stretched(&mut engine, 1.002);
-        assert!(engine.follow_tangents());
-        assert!(!engine.follow_tangents());
-        // from then on they follow by less
-        stretched(&mut engine, 1.002);
-        assert!(engine.follow_tangents());
     }
 
     /// Rods that are hardly sheared keep their directors, to the bit.

@@ -179,8 +179,7 @@ impl ContactSide {
         let lever = self.set.lengths[segment] / 3.0;
         let tangent = |n: usize| self.tangents.at(state, n);
         let linear = [da, da + ta.cross(&tangent(a)) * lever, db - tb.cross(&tangent(b)) * lever, db];
-        let swing = |n: usize, turn: &Vec3| self.tangents.stretches[n] * turn.norm_squared();
-        SegmentMotion { linear, second_order: 0.5 * lever * swing(a, &ta).max(swing(b, &tb)) }
+        SegmentMotion { linear, second_order: 0.5 * lever * ta.norm_squared().max(tb.norm_squared()) }
     }
 }
 
