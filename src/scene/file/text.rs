@@ -218,7 +218,7 @@ pub(super) struct ObstacleText {
     #[schemars(extend("x-allowed" = "not zero; along z, or in the x-y plane of the rods, in planar scenes", "x-default" = "needed for a cylinder"))]
     pub axis: Option<List<f64, 3>>,
     /// Radius.
-    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "> 0; more than the contact radii of rods inside"))]
+    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "more than the contact radii of rods inside"))]
     pub radius: f64,
     /// Where rods are.
     #[serde(default)]

@@ -112,7 +112,7 @@ pub(in super::super) struct ObstacleRampText {
     #[schemars(extend("x-value" = "name", "x-default" = "the only obstacle"))]
     pub name: Option<String>,
     /// Radius at the end of the stage.
-    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "> 0; more than the contact radii of rods inside", "x-default" = "stays"))]
+    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "more than the contact radii of rods inside", "x-default" = "stays"))]
     pub radius: Option<f64>,
     /// Displacement, in all since the start of the run.
     #[schemars(extend("x-unit" = "L", "x-default" = "stays"))]
