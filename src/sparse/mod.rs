@@ -1,9 +1,7 @@
 //! Sparse symmetric matrices over nodes with up to six unknowns each: [`pattern`] (built once per contact graph,
-//! refilled), [`factor`] (LDLᵀ with inertia; the only file that names the sparse library), `fronts` (the order of its
-//! work, on all threads).
+//! refilled), [`factor`] (LDLᵀ with inertia; the only file that names the sparse library).
 
 pub mod factor;
-mod fronts;
 pub mod pattern;
 
 pub use factor::Factor;

@@ -151,7 +151,7 @@ impl Workspace {
             }
         }
         self.factorised = shift;
-        let inertia = timed(&mut self.timings.factor, || engine.install(|| factor.factorise(pattern, values)));
+        let inertia = timed(&mut self.timings.factor, || factor.factorise(pattern, values));
         for (eq, value) in self.unshifted.iter().enumerate() {
             values[pattern.diagonal(eq)] = *value;
         }
@@ -209,7 +209,7 @@ impl Workspace {
                 rhs[eq] += x;
             }
         }
-        timed(&mut self.timings.solve, || engine.install(|| factor.solve(&mut rhs)));
+        timed(&mut self.timings.solve, || factor.solve(&mut rhs));
         self.expand(engine, pattern, &rhs)
     }
 
