@@ -288,27 +288,3 @@ fn check_derivatives(mut engine: Engine) {
     let difference = (4.0 * second(&mut engine, h) - second(&mut engine, 2.0 * h)) / 3.0;
     assert!((difference - ours).abs() < 1e-4 * ours.abs().max(1e3), "{difference} {ours}");
 }
-
-/// Two long rods, one on the other: terms enough for several threads, and columns that these share.
-#[test]
-fn second_derivatives_have_the_same_bits_for_any_number_of_threads() {
-    let tangent = |threads: usize| {
-        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.1);
-        let rod = |name: &str, start: Vec3| {
-            let shape = Shape::Line { start, direction: Vec3::x(), length: 300.0 };
-            Rod::new(name, &shape, RodMesh::open(900, 3), section, Natural::Straight).unwrap()
-        };
-        let rods = vec![rod("lower", Vec3::zeros()), rod("upper", Vec3::new(0.04, 0.02, 0.19))];
-        let supports = (0..2).map(|rod| crate::scene::Support::clamp(NodeRef { rod, node: 0 })).collect();
-        let contact = Contact { law: ContactLaw::Penalty { stiffness: 1.0 } };
-        let mut engine = Engine::new(Model { rods, supports, contact, ..Model::default() }, Some(threads)).unwrap();
-        let state = engine.state.clone();
-        engine.update_contact(&state).unwrap();
-        let (pattern, mut tangent) = (engine.node_graph().natural(), Tangent::default());
-        let residual = engine.linearise(&state, None, &PrescribedMotion::default(), (&pattern, &mut tangent));
-        assert!(residual.contact_pairs.len() > 2000, "{}", residual.contact_pairs.len());
-        tangent.values
-    };
-    let alone = tangent(1);
-    assert!([2, 3].into_iter().all(|threads| tangent(threads) == alone));
-}
