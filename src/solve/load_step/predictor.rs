@@ -22,7 +22,7 @@ use crate::math::quaternion::{exp, rotation_of, rotation_vector, spin};
 use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Mat3, Quat, Vec3};
-use crate::scene::{ObstacleNumber, Placement};
+use crate::scene::{ObstacleNumber, ObstaclePose};
 use crate::solve::measures::{ARC, FARTHEST, FINE, MAX_ROUNDS};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, seam_shares, spin_shares};
@@ -55,7 +55,7 @@ impl Visited {
         all.extend(posed.flat_map(|(node, by)| (0..6).map(|k| ((5, *node, k), by[k / 3][k % 3])).collect::<Vec<_>>()));
         all.insert((3, 0, 0), state.load_factor);
         all.extend(state.pressures.iter().enumerate().map(|(rod, pressure)| ((4, rod, 0), *pressure)));
-        let numbers = |placement: &Placement| ObstacleNumber::ALL.map(|which| placement.get(which));
+        let numbers = |placement: &ObstaclePose| ObstacleNumber::ALL.map(|which| placement.get(which));
         let placed = state.placements.iter().map(numbers).enumerate();
         all.extend(placed.flat_map(|(k, numbers)| (0..numbers.len()).map(move |i| ((6, k, i), numbers[i]))));
         all.extend(state.numbers.iter().map(|((rod, which), value)| ((7, *rod, *which as usize), *value)));
