@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::math::Vec3;
-use crate::scene::{Hinge, Obstacle, Placement, Side, Skeleton};
+use crate::scene::{Hinge, Obstacle, ObstaclePose, Side, Skeleton};
 
 /// A vector turned about the axis of a hinge by some turns (Rodrigues).
 fn turned(hinge: &Hinge, r: &Vec3, turns: f64) -> Vec3 {
@@ -12,9 +12,9 @@ fn turned(hinge: &Hinge, r: &Vec3, turns: f64) -> Vec3 {
 }
 
 /// For a point its distance from the surface of an obstacle, on its rods' side \[L\], and the direction in which that grows.
-pub(super) fn at_obstacle(obstacle: &Obstacle, placement: &Placement) -> impl Fn(&Vec3) -> (f64, Vec3) {
+pub(super) fn at_obstacle(obstacle: &Obstacle, placement: &ObstaclePose) -> impl Fn(&Vec3) -> (f64, Vec3) {
     let (skeleton, side) = (obstacle.skeleton, obstacle.side);
-    let Placement { level, displacement, turns } = *placement;
+    let ObstaclePose { level, displacement, turns } = *placement;
     let hinge = obstacle.hinge.filter(|_| turns != 0.0);
     move |x: &Vec3| {
         let still = x - displacement;

@@ -15,7 +15,7 @@ use crate::math::{Quat, Vec3};
 use crate::observe::ErrorEstimate;
 use crate::observe::report::{Energies, LineSample, Linking, Observation, SiteReport};
 use crate::scene::file::{OutputChoice, PictureChoice};
-use crate::scene::{Obstacle, Placement, Scene, Units};
+use crate::scene::{Obstacle, ObstaclePose, Scene, Units};
 use crate::solve::NodalFields;
 use crate::tangent::Harmonic;
 
@@ -567,7 +567,7 @@ fn point_units(units: &Units) -> [(&'static str, String); 9] {
 }
 
 /// Where obstacles are in a step.
-pub(super) fn placements(step: &Observation) -> Vec<Placement> {
+pub(super) fn placements(step: &Observation) -> Vec<ObstaclePose> {
     step.obstacle_reactions.iter().map(|reaction| reaction.placement).collect()
 }
 

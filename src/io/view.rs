@@ -16,7 +16,7 @@ mod stl;
 use crate::error::InputError;
 use crate::io::picture::{Palette, obstacle};
 use crate::math::{Mat3, Vec3};
-use crate::scene::{Obstacle, Placement, Units};
+use crate::scene::{Obstacle, ObstaclePose, Units};
 
 use super::picture::camera::principal_axes;
 
@@ -66,7 +66,7 @@ pub struct Frame {
     /// Contact forces \[F\] and the points they act on \[L\].
     pub forces: Vec<[Vec3; 2]>,
     /// Where the obstacles are, in the film's order.
-    pub placements: Vec<Placement>,
+    pub placements: Vec<ObstaclePose>,
 }
 
 /// A rod in one state; lists have one entry per point.

@@ -5,7 +5,7 @@ use crate::contact::curve::CurveSet;
 use crate::contact::law::shortest_line;
 use crate::contact::potential::surface::{SurfaceContact, SurfacePiece, surface_runs};
 use crate::math::Vec3;
-use crate::scene::Placement;
+use crate::scene::ObstaclePose;
 
 use super::report::{ObstacleReaction, ObstacleSite, SiteKind};
 use super::sites::Layer;
@@ -96,8 +96,8 @@ fn site(set: &CurveSet, run: &ObstacleRun, rods: &[usize], layer: &Layer) -> Obs
 }
 
 /// Force of each obstacle on all rods.
-pub(super) fn obstacle_reactions(placements: &[Placement], contacts: &[SurfaceContact]) -> Vec<ObstacleReaction> {
-    let of = |(obstacle, placement): (usize, &Placement)| {
+pub(super) fn obstacle_reactions(placements: &[ObstaclePose], contacts: &[SurfaceContact]) -> Vec<ObstacleReaction> {
+    let of = |(obstacle, placement): (usize, &ObstaclePose)| {
         let of_this = contacts.iter().filter(|contact| contact.surface == obstacle);
         let (force, push) = of_this
             .flat_map(|contact| &contact.zones)

@@ -1,7 +1,7 @@
 //! The report of an accepted state: plain data, serialisable, with units. [`observe`](super::observe) fills it.
 
 use crate::certificate::Certificate;
-use crate::scene::Placement;
+use crate::scene::ObstaclePose;
 
 /// Energies by kind \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -167,7 +167,7 @@ pub struct ObstacleReaction {
     /// Obstacle index.
     pub obstacle: usize,
     /// Where it is.
-    pub placement: Placement,
+    pub placement: ObstaclePose,
     /// ∫p ds \[F\], never negative; of a plane the force along its normal.
     pub force: f64,
     /// Its force on the rods \[F\].

@@ -11,7 +11,7 @@ use crate::rod::{Rod, RodNumber};
 
 #[cfg(feature = "solver")]
 pub(crate) use obstacle::Push;
-pub use obstacle::{Hinge, Obstacle, ObstacleNumber, Placement, Side, Skeleton};
+pub use obstacle::{Hinge, Obstacle, ObstacleNumber, ObstaclePose, Side, Skeleton};
 #[cfg(feature = "solver")]
 pub(crate) use pose::RemainingPath;
 pub use pose::{Pose, PosePath};

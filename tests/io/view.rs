@@ -13,7 +13,7 @@ use supercoil::InputError;
 use supercoil::io::run::run_scene;
 use supercoil::io::view::{Film, FilmRod, Frame, FrameRod, GlbOptions, Quantity, of_run, write_page};
 use supercoil::math::Vec3;
-use supercoil::scene::{Obstacle, Placement, Scene};
+use supercoil::scene::{Obstacle, ObstaclePose, Scene};
 
 /// A closed rod of `count` points on a circle of the given radius, its pressure rising along it.
 fn ring(count: usize, radius: f64) -> FrameRod {
@@ -53,7 +53,7 @@ fn primitive<'a>(node: &Node<'a>) -> Primitive<'a> {
 fn planes_are_grids_that_move_with_the_frames() {
     let mut film = film(40, 2);
     film.obstacles = vec![Obstacle::plane("table", Vec3::new(0.0, 0.0, -0.5), Vec3::z())];
-    let at = |level: f64| Placement { level, ..Placement::default() };
+    let at = |level: f64| ObstaclePose { level, ..ObstaclePose::default() };
     film.frames.iter_mut().zip([0.0, 0.25]).for_each(|(frame, height)| frame.placements = vec![at(height)]);
     let file = read(&film, Quantity::Strand);
     for (node, height) in steps(&file).iter().zip([-0.5, -0.25]) {

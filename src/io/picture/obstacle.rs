@@ -101,14 +101,14 @@ pub(in crate::io) fn round_below(length: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Hinge, Placement, Side};
+    use crate::scene::{Hinge, ObstaclePose, Side};
 
     #[test]
     fn a_grid_lies_on_its_plane_below_all_points() {
         let normal = Vec3::new(1.0, 2.0, 2.0) / 3.0;
         let plane = Obstacle::plane("table", Vec3::new(5.0, 0.0, 1.0), normal);
         let points: Vec<Vec3> = (0..50).map(|i| f64::from(i) * Vec3::new(0.3, -0.1, 0.2)).collect();
-        let (matrix, shift) = plane.image(&Placement { level: 0.25, ..Placement::default() });
+        let (matrix, shift) = plane.image(&ObstaclePose { level: 0.25, ..ObstaclePose::default() });
         let lines: Vec<[Vec3; 2]> =
             lines(&plane, points.iter()).into_iter().map(|ends| ends.map(|p| matrix * p + shift)).collect();
         assert!((12..60).contains(&lines.len()), "{}", lines.len());
@@ -132,7 +132,7 @@ mod tests {
         let (point, axis) = (Vec3::new(0.3, -0.2, 0.5), Vec3::new(2.0, -1.0, 3.0));
         let points = [Vec3::zeros(), Vec3::new(4.0, 1.0, 2.0)];
         let hinge = Some(Hinge { through: Vec3::new(1.0, 0.0, -1.0), axis: Vec3::new(0.0, 2.0, 1.0) });
-        let placement = Placement { level: 1.7, displacement: Vec3::new(0.4, 0.1, -0.6), turns: 0.3 };
+        let placement = ObstaclePose { level: 1.7, displacement: Vec3::new(0.4, 0.1, -0.6), turns: 0.3 };
         let size = (0.8, Side::Inside);
         for made in [Obstacle::sphere("ball", point, size), Obstacle::cylinder("tube", [point, axis], size)] {
             let obstacle = Obstacle { hinge, ..made };

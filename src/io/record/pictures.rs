@@ -13,7 +13,7 @@ use crate::io::plot_run::with_jumps;
 use crate::io::table::fixed;
 use crate::math::{Mat3, Vec3};
 use crate::scene::file::ColorBy;
-use crate::scene::{Obstacle, Placement, Skeleton};
+use crate::scene::{Obstacle, ObstaclePose, Skeleton};
 
 use super::still::{Still, StillRod};
 use super::{Record, RecordedFrame, RodHead, files, placements};
@@ -236,7 +236,7 @@ impl Record {
     fn lines(&self, frame: &Still, all: &[&Still], wanted: impl Fn(&Obstacle) -> bool) -> Vec<[Vec3; 2]> {
         let points = || all.iter().flat_map(|frame| &frame.rods).flat_map(|rod| &rod.points);
         let placed = self.obstacles.iter().zip(placements(&self.steps[frame.step]));
-        let of = |(obstacle, placement): (&Obstacle, Placement)| {
+        let of = |(obstacle, placement): (&Obstacle, ObstaclePose)| {
             let (matrix, shift) = obstacle.image(&placement);
             let lines = obstacle::lines(obstacle, points());
             lines.into_iter().map(move |ends| ends.map(|end| matrix * end + shift))

@@ -66,7 +66,7 @@ pub struct Obstacle {
 /// Where an obstacle is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Placement {
+pub struct ObstaclePose {
     /// Distance of the surface from the skeleton \[L\]: a radius; of a plane how far it has been moved along its normal.
     pub level: f64,
     /// Displacement since the start, after the turn \[L\].
@@ -75,14 +75,14 @@ pub struct Placement {
     pub turns: f64,
 }
 
-/// A number of a [`Placement`].
+/// A number of a [`ObstaclePose`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ObstacleNumber {
-    /// [`Placement::level`] \[L\].
+    /// [`ObstaclePose::level`] \[L\].
     Level,
-    /// Component of [`Placement::displacement`] along x (0), y (1) or z (2) \[L\].
+    /// Component of [`ObstaclePose::displacement`] along x (0), y (1) or z (2) \[L\].
     Displacement(usize),
-    /// [`Placement::turns`].
+    /// [`ObstaclePose::turns`].
     Turns,
 }
 
@@ -92,7 +92,7 @@ impl ObstacleNumber {
         [Self::Level, Self::Displacement(0), Self::Displacement(1), Self::Displacement(2), Self::Turns];
 }
 
-impl Placement {
+impl ObstaclePose {
     /// One of its numbers.
     pub fn get(&self, which: ObstacleNumber) -> f64 {
         match which {
@@ -165,12 +165,12 @@ impl Obstacle {
     }
 
     /// Where it is at the start.
-    pub fn start(&self) -> Placement {
-        Placement { level: self.radius, ..Placement::default() }
+    pub fn start(&self) -> ObstaclePose {
+        ObstaclePose { level: self.radius, ..ObstaclePose::default() }
     }
 
     /// Its rotation, and where it takes points to.
-    fn motion(&self, placement: &Placement) -> (Quat, impl Fn(&Vec3) -> Vec3) {
+    fn motion(&self, placement: &ObstaclePose) -> (Quat, impl Fn(&Vec3) -> Vec3) {
         let (through, rotation) = match self.hinge.filter(|_| placement.turns != 0.0) {
             Some(hinge) => (hinge.through, exp(&(unit(&hinge.axis) * (placement.turns * TAU)))),
             None => (Vec3::zeros(), Quat::identity()),
@@ -183,7 +183,7 @@ impl Obstacle {
     }
 
     /// Its surface where it is placed.
-    pub(crate) fn placed(&self, placement: &Placement) -> Surface {
+    pub(crate) fn placed(&self, placement: &ObstaclePose) -> Surface {
         let (rotation, moved) = self.motion(placement);
         let skeleton = match &self.skeleton {
             Skeleton::Plane { point, normal } => Skeleton::Plane { point: moved(point), normal: rotation * normal },
@@ -195,7 +195,7 @@ impl Obstacle {
     }
 
     /// The map x ↦ A x + b that takes its surface at the start to where it is placed.
-    pub fn image(&self, placement: &Placement) -> (Mat3, Vec3) {
+    pub fn image(&self, placement: &ObstaclePose) -> (Mat3, Vec3) {
         let (rotation, moved) = self.motion(placement);
         let point = self.skeleton.point();
         let grown = if self.is_plane() { 1.0 } else { placement.level / self.radius };
@@ -215,7 +215,7 @@ impl Obstacle {
     }
 
     /// Work of what it exerts on rods, where it is placed, over a small motion from one placement to another \[F·L\].
-    pub(crate) fn work(&self, placement: &Placement, [from, to]: [&Placement; 2], push: &Push) -> f64 {
+    pub(crate) fn work(&self, placement: &ObstaclePose, [from, to]: [&ObstaclePose; 2], push: &Push) -> f64 {
         let grows = push.pressure * (to.level - from.level);
         let moves = push.force.dot(&(to.displacement - from.displacement));
         let turns = self.hinge.map_or(0.0, |hinge| {

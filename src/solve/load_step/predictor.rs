@@ -23,7 +23,7 @@ use crate::math::screw::{screw, unscrew};
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Mat3, Quat, Vec3};
 use crate::rod::RodNumber;
-use crate::scene::{ObstacleNumber, Placement};
+use crate::scene::{ObstacleNumber, ObstaclePose};
 use crate::solve::measures::{ARC, MAX_ROUNDS};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, seam_shares, spin_shares};
@@ -88,7 +88,7 @@ impl Visited {
         );
         all.insert(Control::LoadFactor, state.load_factor);
         all.extend(state.pressures.iter().enumerate().map(|(rod, pressure)| (Control::Pressure(rod), *pressure)));
-        let numbers = |placement: &Placement| ObstacleNumber::ALL.map(|which| placement.get(which));
+        let numbers = |placement: &ObstaclePose| ObstacleNumber::ALL.map(|which| placement.get(which));
         let placed = state.placements.iter().map(numbers).enumerate();
         all.extend(
             placed.flat_map(|(k, numbers)| (0..numbers.len()).map(move |i| (Control::Placement(k, i), numbers[i]))),

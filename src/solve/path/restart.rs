@@ -9,7 +9,7 @@
 use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
-use crate::scene::{NodeRef, Placement};
+use crate::scene::{NodeRef, ObstaclePose};
 use crate::solve::load_step::predictor::History;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::path::given::Given;
@@ -97,7 +97,7 @@ impl Solver {
         let numbers = state.positions.iter().chain(&state.remainders).flatten();
         let numbers = numbers.chain(state.frames.iter().flat_map(|q| q.coords.iter()));
         if !numbers.chain(&state.seams).chain(&state.pressures).chain([&state.load_factor]).all(|x| x.is_finite())
-            || !state.placements.iter().all(Placement::is_finite)
+            || !state.placements.iter().all(ObstaclePose::is_finite)
         {
             return Err(refuse("has a number that is not finite"));
         }

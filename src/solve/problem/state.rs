@@ -8,7 +8,7 @@ use crate::math::quaternion::{exp, spin};
 use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
 use crate::rod::RodNumber;
-use crate::scene::Placement;
+use crate::scene::ObstaclePose;
 
 /// Numbers of rods that have been ramped.
 pub type Numbers = BTreeMap<(usize, RodNumber), f64>;
@@ -47,7 +47,7 @@ pub struct State {
     /// Per rod: pressure \[F/L\].
     pub pressures: Vec<f64>,
     /// Per obstacle: where it is.
-    pub placements: Vec<Placement>,
+    pub placements: Vec<ObstaclePose>,
     /// Numbers of rods that ramps have changed.
     #[cfg_attr(feature = "serde", serde(with = "as_list"))]
     pub numbers: Numbers,

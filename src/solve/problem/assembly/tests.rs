@@ -4,7 +4,7 @@ use super::*;
 use crate::math::Vec3;
 use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
 use crate::scene::{
-    Contact, ContactLaw, Electrostatics, LineLoad, Model, NodeLoad, NodeRef, Obstacle, Placement, Side,
+    Contact, ContactLaw, Electrostatics, LineLoad, Model, NodeLoad, NodeRef, Obstacle, ObstaclePose, Side,
 };
 use crate::solve::problem::moment_load::work_of_moments;
 
@@ -137,7 +137,7 @@ fn engine_on_planes() -> Engine {
     };
     model.obstacles =
         vec![plane("below", Vec3::new(0.6, 0.1, 0.8), 1.0), plane("beside", Vec3::new(-0.8, 0.3, 0.1), 2.0)];
-    let at = |level: f64| Placement { level, ..Placement::default() };
+    let at = |level: f64| ObstaclePose { level, ..ObstaclePose::default() };
     touching(model, State { placements: vec![at(0.78), at(1.15)], load_factor: 0.0, ..state })
 }
 
@@ -175,7 +175,7 @@ fn engine_among_bodies(inside: bool) -> Engine {
         (Obstacle::cylinder("post", [beside, axis], of), Obstacle::sphere("ball", beside, of), levels)
     };
     model.obstacles = vec![cylinder, sphere];
-    let at = |level: f64| Placement { level, ..Placement::default() };
+    let at = |level: f64| ObstaclePose { level, ..ObstaclePose::default() };
     touching(model, State { placements: levels.map(at).to_vec(), load_factor: 0.0, ..state })
 }
 
