@@ -9,7 +9,7 @@ use supercoil::io::run::options;
 use supercoil::observe::observe;
 use supercoil::scene;
 use supercoil::solve::{self, FollowOptions, Interrupt, PathPoint, PointKind, Progress, RunError, StepReport};
-use supercoil::tangent::{Contacts, Mode, Observable, Parameter, Tangent};
+use supercoil::tangent::{ContactResponse, EquilibriumTangent, Mode, Observable, PrescribedNumber};
 
 use crate::refuse;
 use crate::scene::Scene;
@@ -43,12 +43,12 @@ impl Solver {
         &self,
         py: Python,
         contacts: &str,
-        work: impl FnOnce(&mut Tangent) -> Result<R, RunError> + Send,
+        work: impl FnOnce(&mut EquilibriumTangent) -> Result<R, RunError> + Send,
     ) -> PyResult<R> {
         let contacts = match contacts {
-            "law" => Contacts::ByLaw,
-            "locked" => Contacts::Locked,
-            "free" => Contacts::Free,
+            "law" => ContactResponse::ByLaw,
+            "locked" => ContactResponse::Locked,
+            "free" => ContactResponse::Free,
             _ => return Err(refuse::damaged("contacts", "is none of \"law\", \"locked\", \"free\"")),
         };
         if self.lock()?.report.is_none() {
@@ -56,7 +56,7 @@ impl Solver {
         }
         let mut driven = self.lock()?;
         let solver = &mut driven.solver;
-        py.detach(|| work(&mut Tangent::at(solver, contacts)?)).map_err(refuse::run)
+        py.detach(|| work(&mut EquilibriumTangent::at(solver, contacts)?)).map_err(refuse::run)
     }
 }
 
@@ -165,7 +165,7 @@ impl Solver {
     fn gradient(&self, py: Python, of: &str, to: Vec<String>, contacts: &str) -> PyResult<Vec<f64>> {
         let model = &self.scene.model;
         let of = Observable::parse(model, of).map_err(refuse::input)?;
-        let to: Result<Vec<_>, _> = to.iter().map(|name| Parameter::parse(model, name)).collect();
+        let to: Result<Vec<_>, _> = to.iter().map(|name| PrescribedNumber::parse(model, name)).collect();
         let to = to.map_err(refuse::input)?;
         self.with_tangent(py, contacts, |tangent| tangent.gradient(&of, &to))
     }

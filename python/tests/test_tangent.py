@@ -8,7 +8,7 @@ import pytest
 import supercoil
 from supercoil import Rod, Scene, Stage
 
-SECTION = {"bending": 1.0, "twisting": 1.5, "stretching": 1e6, "shearing": 1e6, "contact_radius": 0.0}
+SECTION = {"bending": 1.0, "twisting": 1.5, "stretching": 1e8, "shearing": 1e8, "contact_radius": 0.0}
 
 
 def ring() -> supercoil.Solver:

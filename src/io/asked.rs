@@ -8,7 +8,7 @@ use super::record::read_summary;
 use crate::error::InputError;
 use crate::scene::Scene;
 use crate::solve::{RunError, Solver};
-use crate::tangent::{Contacts, Harmonic, Modes, Observable, Parameter, Tangent};
+use crate::tangent::{ContactResponse, EquilibriumTangent, Harmonic, Modes, Observable, PrescribedNumber};
 
 /// The questions of a scene.
 #[derive(Debug, Clone, Default)]
@@ -16,8 +16,8 @@ pub(super) struct Asked {
     modes: usize,
     free_energy: bool,
     of: Vec<(String, Observable)>,
-    to: Vec<(String, Parameter)>,
-    contacts: Contacts,
+    to: Vec<(String, PrescribedNumber)>,
+    contacts: ContactResponse,
 }
 
 /// The answers.
@@ -48,7 +48,7 @@ impl Asked {
     pub(super) fn of(scene: &Scene) -> Result<Self, InputError> {
         let (output, model) = (&scene.output, &scene.model);
         let observable = |name: &String| Ok((name.clone(), Observable::parse(model, name)?));
-        let parameter = |name: &String| Ok((name.clone(), Parameter::parse(model, name)?));
+        let parameter = |name: &String| Ok((name.clone(), PrescribedNumber::parse(model, name)?));
         let (of, to) = (&output.sensitivity_of, &output.sensitivity_to);
         if of.is_empty() != to.is_empty() {
             let reason = "and sensitivity_to belong together: what is differentiated, and with respect to what";
@@ -59,7 +59,7 @@ impl Asked {
             free_energy: output.free_energy,
             of: of.iter().map(observable).collect::<Result<_, InputError>>()?,
             to: to.iter().map(parameter).collect::<Result<_, InputError>>()?,
-            contacts: Contacts::of_law(model.contact.law),
+            contacts: ContactResponse::of_law(model.contact.law),
         })
     }
 
@@ -67,15 +67,15 @@ impl Asked {
     pub(super) fn answer(&self, solver: &mut Solver) -> Result<Answers, RunError> {
         let mut answers = Answers::default();
         if self.modes > 0 {
-            answers.modes = Some(Tangent::at(solver, Contacts::ByLaw)?.modes(self.modes)?);
+            answers.modes = Some(EquilibriumTangent::at(solver, ContactResponse::ByLaw)?.modes(self.modes)?);
         }
         if self.free_energy {
-            let mut harmonic = |contacts| Ok::<_, RunError>(Tangent::at(solver, contacts)?.harmonic());
-            answers.harmonic = Some([harmonic(Contacts::Free)?, harmonic(Contacts::Locked)?]);
+            let mut harmonic = |contacts| Ok::<_, RunError>(EquilibriumTangent::at(solver, contacts)?.harmonic());
+            answers.harmonic = Some([harmonic(ContactResponse::Free)?, harmonic(ContactResponse::Locked)?]);
         }
         if !self.of.is_empty() {
-            let mut tangent = Tangent::at(solver, self.contacts)?;
-            let parameters: Vec<Parameter> = self.to.iter().map(|(_, parameter)| parameter.clone()).collect();
+            let mut tangent = EquilibriumTangent::at(solver, self.contacts)?;
+            let parameters: Vec<PrescribedNumber> = self.to.iter().map(|(_, parameter)| parameter.clone()).collect();
             for (of, observable) in &self.of {
                 let values = tangent.gradient(observable, &parameters)?;
                 let rows = self.to.iter().zip(values).map(|((to, _), value)| (to.clone(), value));
@@ -114,13 +114,13 @@ pub struct FreeEnergyDifference {
 
 /// The part of `summary.json`.
 #[derive(Deserialize)]
-struct Summary {
+struct HarmonicPart {
     harmonic: Option<[Harmonic; 2]>,
-    thermal: Option<Thermal>,
+    thermal: Option<ThermalPart>,
 }
 
 #[derive(Deserialize)]
-struct Thermal {
+struct ThermalPart {
     #[serde(rename = "kT")]
     thermal_energy: f64,
 }
@@ -137,7 +137,7 @@ pub fn free_energy_difference(
     thermal_energy: Option<f64>,
 ) -> Result<FreeEnergyDifference, InputError> {
     let of = |dir: &Path| -> Result<([Harmonic; 2], Option<f64>), InputError> {
-        let summary: Summary = read_summary(dir)?;
+        let summary: HarmonicPart = read_summary(dir)?;
         let reason =
             || "has no parts of a free energy: run its scene with free_energy = true under [output]".to_owned();
         let harmonic = summary.harmonic.ok_or_else(|| InputError::File { path: dir.to_owned(), reason: reason() })?;

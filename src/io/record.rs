@@ -147,7 +147,7 @@ struct SummaryFile<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     error_estimate: Option<&'a ErrorEstimate>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    modes: Option<modes::Summary>,
+    modes: Option<modes::ModesPart>,
     #[serde(skip_serializing_if = "Option::is_none")]
     harmonic: Option<&'a [Harmonic; 2]>,
     #[serde(skip_serializing_if = "<[Sensitivity]>::is_empty")]
@@ -450,7 +450,7 @@ impl Record {
             seconds,
             last,
             error_estimate,
-            modes: self.answers.modes.as_ref().map(modes::Summary::of),
+            modes: self.answers.modes.as_ref().map(modes::ModesPart::of),
             harmonic: self.answers.harmonic.as_ref(),
             sensitivities: &self.answers.sensitivities,
             thermal,

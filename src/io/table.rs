@@ -11,11 +11,13 @@ use crate::scene::Units;
 use super::csv::{Cell, columns_in, write_explained};
 
 mod columns;
+#[cfg(feature = "runs")]
 mod resultants;
 
 pub use columns::Columns;
 #[cfg(feature = "runs")]
 pub(super) use columns::PRESCRIBED;
+#[cfg(feature = "runs")]
 pub(super) use resultants::{ResultantsOf, write_resultants};
 
 /// Accepted steps as a table for reading, one line a step, units in the head; link numbers of the first closed rod, or of

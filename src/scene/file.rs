@@ -161,7 +161,7 @@ pub struct OutputChoice {
     pub checkpoint_seconds: f64,
     /// Whether the error of the final state is estimated, see `observe::estimate_error` in the library.
     pub error_estimate: bool,
-    /// Number of softest modes of the final state, see `tangent::Tangent::modes` in the library: `modes.vtp` has their
+    /// Number of softest modes of the final state, see `tangent::EquilibriumTangent::modes` in the library: `modes.vtp` has their
     /// shapes, `summary.json` their eigenvalues.
     pub modes: usize,
     /// Whether `summary.json` has the parts of the harmonic free energy of the final state, for `supercoil free-energy`.
@@ -171,7 +171,7 @@ pub struct OutputChoice {
     pub sensitivity_of: Vec<String>,
     /// What they are differentiated with respect to: `load`, `link`, `pressure`, `bending`, `twisting`, `stretching`,
     /// `shearing`, `contact_radius`, `length`, `natural_twist` …, of the first rod or (`bending:NAME`) of another; see
-    /// `tangent::Parameter` in the library.
+    /// `tangent::PrescribedNumber` in the library.
     pub sensitivity_to: Vec<String>,
     /// Folder of the files, relative to where the program runs; the command line's `--out` takes precedence.
     #[schemars(extend("x-default" = "out/NAME"))]

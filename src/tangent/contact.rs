@@ -30,7 +30,7 @@ const HARDER: f64 = 1e4;
 /// How gaps that carry force respond.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Contacts {
+pub enum ContactResponse {
     /// As the contact law in force: the tangent of the potential that was minimised.
     #[default]
     ByLaw,
@@ -40,7 +40,7 @@ pub enum Contacts {
     Free,
 }
 
-impl Contacts {
+impl ContactResponse {
     /// What a derivative of an equilibrium under a law is made with: gaps stay closed under the augmented Lagrangian, and
     /// give under a penalty.
     #[must_use]
@@ -54,26 +54,26 @@ impl Contacts {
 
 /// A pair of segments, the smaller index first, or a segment and an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Place {
+enum TouchPlace {
     Pair([usize; 2]),
     Surface(usize, usize),
 }
 
 /// A contact: its places, and whether it is a point.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Contact {
-    places: Vec<Place>,
+pub(super) struct Touching {
+    places: Vec<TouchPlace>,
     pub(super) is_point: bool,
     /// Sum of the magnitudes of its force \[F\].
     pub(super) force: f64,
 }
 
 /// All contacts at a state, from its residual with zones.
-pub(super) fn contacts(engine: &Engine, residual: &Residual) -> Vec<Contact> {
+pub(super) fn contacts(engine: &Engine, residual: &Residual) -> Vec<Touching> {
     let Some(side) = &engine.contact else { return Vec::new() };
     let mut parts = parts(side, residual);
-    let index: BTreeMap<Place, usize> = {
-        let mut all: Vec<Place> = parts.iter().flat_map(|part| part.places.iter().copied()).collect();
+    let index: BTreeMap<TouchPlace, usize> = {
+        let mut all: Vec<TouchPlace> = parts.iter().flat_map(|part| part.places.iter().copied()).collect();
         all.sort_unstable();
         all.dedup();
         all.into_iter().zip(0..).collect()
@@ -83,16 +83,16 @@ pub(super) fn contacts(engine: &Engine, residual: &Residual) -> Vec<Contact> {
     for part in &parts {
         part.places.iter().for_each(|place| groups.join(index[&part.places[0]], index[place]));
     }
-    let mut found: BTreeMap<usize, Contact> = BTreeMap::new();
+    let mut found: BTreeMap<usize, Touching> = BTreeMap::new();
     for part in &mut parts {
         let contact = found
             .entry(groups.first(index[&part.places[0]]))
-            .or_insert(Contact { is_point: true, ..Contact::default() });
+            .or_insert(Touching { is_point: true, ..Touching::default() });
         contact.is_point &= part.length <= shortest(engine, side, &part.places);
         contact.force += part.force;
         contact.places.append(&mut part.places);
     }
-    let tidy = |mut contact: Contact| {
+    let tidy = |mut contact: Touching| {
         contact.places.sort_unstable();
         contact.places.dedup();
         contact
@@ -101,34 +101,34 @@ pub(super) fn contacts(engine: &Engine, residual: &Residual) -> Vec<Contact> {
 }
 
 /// A contact as one strand has it.
-struct Part {
-    places: Vec<Place>,
+struct OneSide {
+    places: Vec<TouchPlace>,
     length: f64,
     force: f64,
 }
 
-fn parts(side: &ContactSide, residual: &Residual) -> Vec<Part> {
+fn parts(side: &ContactSide, residual: &Residual) -> Vec<OneSide> {
     let strands = chains(&side.set, &residual.contact_pairs);
-    let of_chain = |chain: &Vec<crate::contact::chain::ChainPiece>| Part {
+    let of_chain = |chain: &Vec<crate::contact::chain::ChainPiece>| OneSide {
         places: chain.iter().map(|piece| pair(piece.segments)).collect(),
         length: chain.iter().map(|piece| piece.arcs[0][1] - piece.arcs[0][0]).sum(),
         force: chain.iter().map(|piece| piece.zone.half_force).sum(),
     };
     let runs = surface_runs(&side.set, &residual.surface_contacts);
-    let of_run = |run: &Vec<SurfacePiece>| Part {
-        places: run.iter().map(|piece| Place::Surface(piece.segment, piece.surface)).collect(),
+    let of_run = |run: &Vec<SurfacePiece>| OneSide {
+        places: run.iter().map(|piece| TouchPlace::Surface(piece.segment, piece.surface)).collect(),
         length: run.iter().map(|piece| (piece.zone.u[1] - piece.zone.u[0]) * side.set.lengths[piece.segment]).sum(),
         force: run.iter().map(|piece| piece.zone.moments[0]).sum(),
     };
     strands.iter().map(of_chain).chain(runs.iter().map(of_run)).collect()
 }
 
-fn pair([a, b]: [usize; 2]) -> Place {
-    Place::Pair([a.min(b), a.max(b)])
+fn pair([a, b]: [usize; 2]) -> TouchPlace {
+    TouchPlace::Pair([a.min(b), a.max(b)])
 }
 
 /// Length up to which a contact at some places is a point \[L\], as in reports of sites.
-fn shortest(engine: &Engine, side: &ContactSide, places: &[Place]) -> f64 {
+fn shortest(engine: &Engine, side: &ContactSide, places: &[TouchPlace]) -> f64 {
     let stiffness = match side.law {
         Law::Linear { stiffness } => stiffness,
         Law::Core { .. } => engine.contact_stiffness(),
@@ -137,17 +137,17 @@ fn shortest(engine: &Engine, side: &ContactSide, places: &[Place]) -> f64 {
     let element = |segment: usize| rod(segment).length / rod(segment).num_elements as f64;
     let bending = |segment: usize| rod(segment).section.smaller_bending();
     match places[0] {
-        Place::Pair([a, b]) => shortest_line(stiffness, [bending(a), bending(b)]).max(element(a)).max(element(b)),
-        Place::Surface(a, _) => shortest_line(stiffness, [bending(a), f64::INFINITY]).max(element(a)),
+        TouchPlace::Pair([a, b]) => shortest_line(stiffness, [bending(a), bending(b)]).max(element(a)).max(element(b)),
+        TouchPlace::Surface(a, _) => shortest_line(stiffness, [bending(a), f64::INFINITY]).max(element(a)),
     }
 }
 
 /// Nodes of each contact that is a point: products of its mean gap couple all of them.
-pub(super) fn coupled(engine: &Engine, contacts: &[Contact]) -> Vec<Vec<usize>> {
+pub(super) fn coupled(engine: &Engine, contacts: &[Touching]) -> Vec<Vec<usize>> {
     let Some(side) = &engine.contact else { return Vec::new() };
-    let of_place = |place: &Place| match place {
-        Place::Pair(pair) => pair.iter().flat_map(|&segment| side.nodes[segment]).collect::<Vec<_>>(),
-        Place::Surface(segment, _) => side.nodes[*segment].to_vec(),
+    let of_place = |place: &TouchPlace| match place {
+        TouchPlace::Pair(pair) => pair.iter().flat_map(|&segment| side.nodes[segment]).collect::<Vec<_>>(),
+        TouchPlace::Surface(segment, _) => side.nodes[*segment].to_vec(),
     };
     contacts.iter().filter(|contact| contact.is_point).map(|c| c.places.iter().flat_map(of_place).collect()).collect()
 }
@@ -175,7 +175,7 @@ impl GapRate {
 }
 
 /// [`GapRate`] of the points of each contact, by the residual of the tangent.
-pub(super) fn gap_rates(engine: &Engine, contacts: &[Contact], residual: &Residual) -> Vec<Vec<GapRate>> {
+pub(super) fn gap_rates(engine: &Engine, contacts: &[Touching], residual: &Residual) -> Vec<Vec<GapRate>> {
     let Some(side) = &engine.contact else { return Vec::new() };
     let mut owner = BTreeMap::new();
     for (k, contact) in contacts.iter().enumerate() {
@@ -193,7 +193,7 @@ pub(super) fn gap_rates(engine: &Engine, contacts: &[Contact], residual: &Residu
         }));
     }
     for contact in &residual.surface_contacts {
-        let Some(&index) = owner.get(&Place::Surface(contact.segment, contact.surface)) else { continue };
+        let Some(&index) = owner.get(&TouchPlace::Surface(contact.segment, contact.surface)) else { continue };
         let (surface, nodes) = (&side.surfaces[contact.surface], side.nodes[contact.segment]);
         rates[index].extend(contact.gap_gradients(&side.set).map(|(rate, stiffness)| {
             let rate = at_nodes(&nodes, &rate);
@@ -222,13 +222,13 @@ fn mean(points: &[GapRate]) -> Option<GapRate> {
 }
 
 /// What locking or freeing adds to the law's response.
-pub(super) fn changes(choice: Contacts, contacts: &[Contact], rates: &[Vec<GapRate>]) -> Vec<GapRate> {
+pub(super) fn changes(choice: ContactResponse, contacts: &[Touching], rates: &[Vec<GapRate>]) -> Vec<GapRate> {
     let factor = match choice {
-        Contacts::ByLaw => return Vec::new(),
-        Contacts::Locked => HARDER - 1.0,
-        Contacts::Free => -1.0,
+        ContactResponse::ByLaw => return Vec::new(),
+        ContactResponse::Locked => HARDER - 1.0,
+        ContactResponse::Free => -1.0,
     };
-    let of_contact = |(contact, points): (&Contact, &Vec<GapRate>)| match contact.is_point {
+    let of_contact = |(contact, points): (&Touching, &Vec<GapRate>)| match contact.is_point {
         true => mean(points).into_iter().collect(),
         false => points.clone(),
     };
@@ -237,13 +237,13 @@ pub(super) fn changes(choice: Contacts, contacts: &[Contact], rates: &[Vec<GapRa
 }
 
 /// The response of contact in the chosen tangent: the law's with its [`changes`].
-pub(super) fn responses(choice: Contacts, contacts: &[Contact], rates: &[Vec<GapRate>]) -> Vec<GapRate> {
+pub(super) fn responses(choice: ContactResponse, contacts: &[Touching], rates: &[Vec<GapRate>]) -> Vec<GapRate> {
     rates.iter().flatten().cloned().chain(changes(choice, contacts, rates)).collect()
 }
 
 /// Stiffness of the response of each point of contact that is locked, with its force; `None` if a contact is a line.
-pub(super) fn locks(contacts: &[Contact], rates: &[Vec<GapRate>]) -> Option<Vec<(f64, f64)>> {
-    let lock = |(contact, points): (&Contact, &Vec<GapRate>)| {
+pub(super) fn locks(contacts: &[Touching], rates: &[Vec<GapRate>]) -> Option<Vec<(f64, f64)>> {
+    let lock = |(contact, points): (&Touching, &Vec<GapRate>)| {
         let stiffness: f64 = points.iter().map(|point| point.stiffness).sum();
         contact.is_point.then_some((contact.force, HARDER * stiffness))
     };

@@ -25,7 +25,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::DMatrix;
 
-use super::{Contacts, Observable, Tangent, contact};
+use super::{ContactResponse, EquilibriumTangent, Observable, contact};
 use crate::error::InputError;
 use crate::solve::problem::linearised::dot;
 use crate::solve::problem::zero_energy::Generator;
@@ -46,7 +46,7 @@ pub struct Harmonic {
     /// Unknowns.
     pub num_unknowns: usize,
     /// How contact responds.
-    pub contacts: Contacts,
+    pub contacts: ContactResponse,
     /// Negative eigenvalues: the integral has no meaning if there are any.
     pub num_unstable: usize,
     /// Of locked contacts, force and stiffness of the lock; `None` if one is a line, whose width is not known.
@@ -103,7 +103,7 @@ impl Harmonic {
     }
 }
 
-impl Tangent<'_> {
+impl EquilibriumTangent<'_> {
     /// The parts of the harmonic free energy, from the pivots of the factor.
     #[must_use]
     pub fn harmonic(&self) -> Harmonic {
@@ -117,8 +117,8 @@ impl Tangent<'_> {
         let springs: Vec<Vec<f64>> = motions.iter().map(|motion| self.linearised.holding(motion)).collect();
         let gram = DMatrix::from_fn(motions.len(), motions.len(), |i, j| dot(motions[i], &springs[j]));
         let locks = match self.choice {
-            Contacts::Locked => contact::locks(&self.contacts, &self.rates),
-            Contacts::ByLaw | Contacts::Free => Some(Vec::new()),
+            ContactResponse::Locked => contact::locks(&self.contacts, &self.rates),
+            ContactResponse::ByLaw | ContactResponse::Free => Some(Vec::new()),
         };
         Harmonic {
             potential: self.linearised.residual.potential.total(),

@@ -33,7 +33,7 @@ pub(super) trait Pencil {
 
 /// An eigenvalue with its vector, vᵀ M v = 1.
 #[derive(Debug, Clone)]
-pub(super) struct Pair {
+pub(super) struct Eigenpair {
     pub(super) eigenvalue: f64,
     pub(super) vector: Vec<f64>,
 }
@@ -52,7 +52,11 @@ struct Krylov<'a, P> {
 ///
 /// # Errors
 /// `SolveError::Eigenvalues` if [`MAX_BLOCKS`] blocks do not suffice.
-pub(super) fn softest(pencil: &mut impl Pencil, count: usize, num_negative: usize) -> Result<Vec<Pair>, SolveError> {
+pub(super) fn softest(
+    pencil: &mut impl Pencil,
+    count: usize,
+    num_negative: usize,
+) -> Result<Vec<Eigenpair>, SolveError> {
     let count = count.max(num_negative);
     let mut krylov = Krylov { pencil, basis: Vec::new(), masses: Vec::new(), projected: Vec::new() };
     let mut block = krylov.start();
@@ -64,7 +68,7 @@ pub(super) fn softest(pencil: &mut impl Pencil, count: usize, num_negative: usiz
         let complete = krylov.basis.len() == before;
         let found = wanted.len() == count && krylov.residuals(&ritz, &wanted, before, &remainders) <= TOL;
         if complete || found {
-            let mut pairs: Vec<Pair> = wanted.iter().map(|&k| krylov.pair(&ritz, k)).collect();
+            let mut pairs: Vec<Eigenpair> = wanted.iter().map(|&k| krylov.pair(&ritz, k)).collect();
             pairs.sort_by(|a, b| a.eigenvalue.total_cmp(&b.eigenvalue));
             return Ok(pairs);
         }
@@ -158,12 +162,12 @@ impl<P: Pencil> Krylov<'_, P> {
         wanted.iter().map(residual).fold(0.0, f64::max)
     }
 
-    fn pair(&self, ritz: &SymmetricEigen<f64, nalgebra::Dyn>, k: usize) -> Pair {
+    fn pair(&self, ritz: &SymmetricEigen<f64, nalgebra::Dyn>, k: usize) -> Eigenpair {
         let mut vector = vec![0.0; self.pencil.len()];
         for (own, share) in self.basis.iter().zip(ritz.eigenvectors.column(k).iter()) {
             subtract(&mut vector, own, -share);
         }
-        Pair { eigenvalue: 1.0 / ritz.eigenvalues[k], vector }
+        Eigenpair { eigenvalue: 1.0 / ritz.eigenvalues[k], vector }
     }
 }
 

@@ -2,12 +2,12 @@
 //!
 //! | | |
 //! |---|---|
-//! | `modes` | [`Tangent::modes`], [`Tangent::vibrations`]: the softest modes, K v = λ M v |
-//! | `contact` | [`Contacts`]: contact as the law in force has it, locked, or free |
+//! | `modes` | [`EquilibriumTangent::modes`], [`EquilibriumTangent::vibrations`]: the softest modes, K v = λ M v |
+//! | `contact` | [`ContactResponse`]: contact as the law in force has it, locked, or free |
 //! | `masses` | M: the mass of lines and of the tubes about them |
-//! | `free_energy` | [`Tangent::harmonic`], [`Tangent::covariance`]: the Gaussian integral about the equilibrium |
+//! | `free_energy` | [`EquilibriumTangent::harmonic`], [`EquilibriumTangent::covariance`]: the Gaussian integral about the equilibrium |
 //! | `observables` | [`Observable`]: numbers of a state and their gradients |
-//! | `sensitivity` | [`Tangent::gradient`]: their derivatives with respect to what is prescribed, [`Parameter`] |
+//! | `sensitivity` | [`EquilibriumTangent::gradient`]: their derivatives with respect to what is prescribed, [`PrescribedNumber`] |
 //! | `krylov` | the softest eigenvalues of a pencil: block Lanczos on the inverse |
 //!
 //! Zero-energy modes (rigid motions of free bodies, spin of round rods, sliding of uniform rings) are no modes here:
@@ -21,13 +21,13 @@ mod modes;
 mod observables;
 mod sensitivity;
 
-pub use contact::Contacts;
+pub use contact::ContactResponse;
 pub use free_energy::{Harmonic, ZeroMode};
 pub use modes::{Mode, Modes, Participation};
 pub use observables::Observable;
-pub use sensitivity::Parameter;
+pub use sensitivity::PrescribedNumber;
 
-use contact::{Contact, GapRate};
+use contact::{GapRate, Touching};
 
 use crate::error::{InputError, SolveError};
 use crate::scene::Model;
@@ -36,22 +36,22 @@ use crate::solve::{Engine, RunError, Solver};
 
 /// The factorised tangent at an equilibrium.
 #[derive(Debug)]
-pub struct Tangent<'a> {
+pub struct EquilibriumTangent<'a> {
     engine: &'a mut Engine,
     linearised: Linearised,
-    contacts: Vec<Contact>,
+    contacts: Vec<Touching>,
     rates: Vec<Vec<GapRate>>,
-    choice: Contacts,
+    choice: ContactResponse,
 }
 
-impl<'a> Tangent<'a> {
+impl<'a> EquilibriumTangent<'a> {
     /// The tangent at the present state of a solver, which is to be an equilibrium (nothing is searched for).
     ///
     /// # Errors
     /// `InputError::Inconsistent` where dead moments act in space, because they have no potential and the tangent is
     /// not symmetric; contact geometry that breaks down; a factorisation that does not fit into memory or has a pivot
     /// that vanishes.
-    pub fn at(solver: &'a mut Solver, choice: Contacts) -> Result<Self, RunError> {
+    pub fn at(solver: &'a mut Solver, choice: ContactResponse) -> Result<Self, RunError> {
         if !solver.engine.is_conservative() {
             let reason = "has moments of fixed direction, which have no potential: its tangent is not symmetric";
             return Err(InputError::inconsistent("loads", reason).into());
@@ -60,7 +60,7 @@ impl<'a> Tangent<'a> {
         let state = engine.state().clone();
         engine.update_contact(&state)?;
         let contacts = contact::contacts(engine, &engine.residual(&state));
-        let coupled = if choice == Contacts::ByLaw { Vec::new() } else { contact::coupled(engine, &contacts) };
+        let coupled = if choice == ContactResponse::ByLaw { Vec::new() } else { contact::coupled(engine, &contacts) };
         let mut rates = Vec::new();
         let linearised = Linearised::at(engine, &coupled, |engine, residual| {
             rates = contact::gap_rates(engine, &contacts, residual);

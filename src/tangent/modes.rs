@@ -1,6 +1,6 @@
 //! The softest modes of an equilibrium: K v = λ M v.
 
-use super::Tangent;
+use super::EquilibriumTangent;
 use super::krylov::{Pencil, softest};
 use super::masses::Masses;
 use crate::error::{InputError, SolveError};
@@ -32,7 +32,7 @@ pub struct Participation {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mode {
-    /// λ: negative where the equilibrium is unstable \[F/L²\]; of [`Tangent::vibrations`] the square of the angular
+    /// λ: negative where the equilibrium is unstable \[F/L²\]; of [`EquilibriumTangent::vibrations`] the square of the angular
     /// frequency \[1/T²\].
     pub eigenvalue: f64,
     /// Where its energy is.
@@ -79,14 +79,14 @@ impl std::fmt::Display for Modes {
 }
 
 impl Mode {
-    /// Frequency \[1/T\] of a mode of [`Tangent::vibrations`]; NaN of an unstable one.
+    /// Frequency \[1/T\] of a mode of [`EquilibriumTangent::vibrations`]; NaN of an unstable one.
     #[must_use]
     pub fn frequency(&self) -> f64 {
         self.eigenvalue.sqrt() / std::f64::consts::TAU
     }
 }
 
-impl Tangent<'_> {
+impl EquilibriumTangent<'_> {
     /// The `count` softest modes of rods of line density 1 (all unstable ones if these are more; fewer if there are
     /// fewer). Rotations have the inertia of a solid cylinder of the contact radius, those of rods without one none.
     ///
@@ -100,7 +100,7 @@ impl Tangent<'_> {
     /// eigenvalues are ω² \[1/T²\].
     ///
     /// # Errors
-    /// Densities that are not positive, or of another number of rods; as [`Tangent::modes`].
+    /// Densities that are not positive, or of another number of rods; as [`EquilibriumTangent::modes`].
     pub fn vibrations(&mut self, count: usize, densities: &[f64]) -> Result<Modes, RunError> {
         let rods = self.engine.model().rods.len();
         if densities.len() != rods {
@@ -121,7 +121,7 @@ impl Tangent<'_> {
         let pairs = softest(&mut pencil, count, num_unstable)?;
         let rods = &engine.model().rods;
         let total: f64 = rods.iter().zip(densities).map(|(rod, density)| rod.length * density).sum();
-        let mode = |pair: super::krylov::Pair| {
+        let mode = |pair: super::krylov::Eigenpair| {
             let (eigenvalue, size) = (pair.eigenvalue, total.sqrt());
             let shape: Vec<f64> = pair.vector.iter().map(|x| x * size).collect();
             let part = |first: usize| {
@@ -140,11 +140,11 @@ impl Tangent<'_> {
 }
 
 /// A zero-energy mode with M times it, M-orthonormal.
-type Held = Vec<(Vec<f64>, Vec<f64>)>;
+type HeldMotions = Vec<(Vec<f64>, Vec<f64>)>;
 
 /// Zero-energy modes that move mass. Others (spin of a line) have no part in M-orthogonality.
-fn held_motions(engine: &Engine, masses: &Masses, motions: &[Vec<f64>]) -> Held {
-    let mut held: Held = Vec::new();
+fn held_motions(engine: &Engine, masses: &Masses, motions: &[Vec<f64>]) -> HeldMotions {
+    let mut held: HeldMotions = Vec::new();
     for motion in motions {
         let mut motion = motion.clone();
         let size = |motion: &[f64]| dot(motion, &masses.multiply(engine, motion)).max(0.0).sqrt();
@@ -162,19 +162,19 @@ fn held_motions(engine: &Engine, masses: &Masses, motions: &[Vec<f64>]) -> Held 
     held
 }
 
-fn remove(held: &Held, vector: &mut [f64]) {
+fn remove(held: &HeldMotions, vector: &mut [f64]) {
     for (motion, mass) in held {
         let part = dot(mass, vector);
         vector.iter_mut().zip(motion).for_each(|(x, v)| *x -= part * v);
     }
 }
 
-/// Tangent and masses of rods.
+/// EquilibriumTangent and masses of rods.
 struct Shapes<'a> {
     engine: &'a Engine,
     linearised: &'a mut Linearised,
     masses: Masses,
-    held: Held,
+    held: HeldMotions,
 }
 
 impl Pencil for Shapes<'_> {

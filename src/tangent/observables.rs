@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Contacts, Tangent, contact};
+use super::{ContactResponse, EquilibriumTangent, contact};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::element::{Material, Strain, evaluate, raw_strains};
@@ -150,7 +150,7 @@ fn twist_gradient(engine: &Engine, rod: usize) -> Vec<f64> {
     out
 }
 
-impl Tangent<'_> {
+impl EquilibriumTangent<'_> {
     /// Value of an observable at the equilibrium.
     ///
     /// # Errors
@@ -192,7 +192,7 @@ impl Tangent<'_> {
             Observable::Position { node, axis } => out[6 * index(node) + axis] = 1.0,
             Observable::SeamMoment { rod } => {
                 // M = ∂Π/∂seam, so that ∂M/∂x = ∂²Π/∂x∂seam
-                let rate = self.rate(&super::Parameter::Link { rod: *rod })?;
+                let rate = self.rate(&super::PrescribedNumber::Link { rod: *rod })?;
                 return Ok(rate.into_iter().map(|x| x / TAU).collect());
             }
             Observable::Reaction { node, component } => {
@@ -215,7 +215,7 @@ impl Tangent<'_> {
     /// Refuses contact forces of a tangent in which contact has none.
     pub(super) fn check_contact_force(&self, of: &Observable) -> Result<(), InputError> {
         let reason = "contact forces do not change where contacts are free: lock them, or take the law's";
-        let bad = *of == Observable::ContactForce && self.choice == Contacts::Free;
+        let bad = *of == Observable::ContactForce && self.choice == ContactResponse::Free;
         if bad { Err(InputError::inconsistent("contact_force", reason)) } else { Ok(()) }
     }
 }

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! One solve an observable gives its derivatives with respect to any number of parameters. r is the gradient of the
-//! potential. K is that of the chosen [`Contacts`]: [`Contacts::Locked`] differentiates the equilibrium under hard
-//! contact, gaps with force staying closed; [`Contacts::ByLaw`] that under a penalty. Where a contact is about to
+//! potential. K is that of the chosen [`ContactResponse`]: [`ContactResponse::Locked`] differentiates the equilibrium under hard
+//! contact, gaps with force staying closed; [`ContactResponse::ByLaw`] that under a penalty. Where a contact is about to
 //! open or to close, the derivative holds on one side.
 //!
 //! ∂r/∂p and ∂q/∂p at fixed unknowns are central differences of fourth order of exact residuals, in which dead loads
@@ -16,7 +16,7 @@
 use std::f64::consts::TAU;
 
 use super::observables::{Observable, of_rod};
-use super::{Contacts, Tangent, contact};
+use super::{ContactResponse, EquilibriumTangent, contact};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::RodNumber;
@@ -34,7 +34,7 @@ const TURN_STEP: f64 = 3e-4;
 
 /// What is prescribed.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Parameter {
+pub enum PrescribedNumber {
     /// Numbers of a rod, all changed by as much (both bending stiffnesses).
     Number {
         /// Rod index.
@@ -75,7 +75,7 @@ pub enum Parameter {
     },
 }
 
-impl Parameter {
+impl PrescribedNumber {
     /// From a name: `load`, or one of `bending`, `bending_1`, `bending_2`, `twisting`, `stretching`, `shearing`,
     /// `contact_radius`, `length`, `natural_curvature_1`, `natural_curvature_2`, `natural_twist`, `link`, `pressure`,
     /// of the first rod or, after a colon, of the rod of a name.
@@ -213,13 +213,13 @@ fn difference(step: f64, mut at: impl FnMut(f64) -> Vec<f64>) -> Vec<f64> {
     (0..a.len()).map(|i| (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * step)).collect()
 }
 
-impl Tangent<'_> {
+impl EquilibriumTangent<'_> {
     /// dq/dp for each parameter.
     ///
     /// # Errors
     /// Observables and parameters that the model does not have; a contact radius that varies, a length where there is
     /// contact.
-    pub fn gradient(&mut self, of: &Observable, to: &[Parameter]) -> Result<Vec<f64>, RunError> {
+    pub fn gradient(&mut self, of: &Observable, to: &[PrescribedNumber]) -> Result<Vec<f64>, RunError> {
         self.check_contact_force(of)?;
         let gradient = self.gradient_of(of)?;
         let adjoint = self.linearised.solve(&gradient);
@@ -232,7 +232,7 @@ impl Tangent<'_> {
     }
 
     /// ∂r/∂p at fixed unknowns.
-    pub(super) fn rate(&mut self, parameter: &Parameter) -> Result<Vec<f64>, RunError> {
+    pub(super) fn rate(&mut self, parameter: &PrescribedNumber) -> Result<Vec<f64>, RunError> {
         parameter.check(self.engine)?;
         if let Some(motion) = parameter.motion(self.engine) {
             return Ok(self.linearised.driven(self.engine, motion));
@@ -253,7 +253,7 @@ impl Tangent<'_> {
     }
 
     /// Forces of contact where gaps close by themselves.
-    fn rate_of_gaps(&self, parameter: &Parameter) -> Vec<f64> {
+    fn rate_of_gaps(&self, parameter: &PrescribedNumber) -> Vec<f64> {
         let (thicker, raised) = parameter.closes();
         let mut out = vec![0.0; 6 * self.engine.num_nodes()];
         for gap in contact::responses(self.choice, &self.contacts, &self.rates) {
@@ -266,21 +266,27 @@ impl Tangent<'_> {
         out
     }
 
-    /// A penalty κε⁴/B changes with the stiffness and the radius of the rods: its forces are those of κ.
-    fn add_stiffening(&mut self, parameter: &Parameter, rate: &mut [f64]) {
+    /// ∂ln κ/∂p: a penalty κε⁴/B changes with the stiffness and the radius of the rods.
+    fn stiffening(&mut self, parameter: &PrescribedNumber) -> f64 {
         let is_penalty = matches!(self.engine.model().contact.law, ContactLaw::Penalty { .. });
-        let Parameter::Number { rod, which } = parameter else { return };
-        if self.choice != Contacts::ByLaw || !is_penalty || self.contacts.is_empty() {
-            return;
+        match parameter {
+            PrescribedNumber::Number { rod, which } if is_penalty && self.choice == ContactResponse::ByLaw => {
+                self.engine.slope_of_contact_stiffness(*rod, which)
+            }
+            _ => 0.0,
         }
-        let logarithm = self.engine.slope_of_contact_stiffness(*rod, which);
+    }
+
+    /// Adds the forces of contact whose stiffness changes: they are proportional to it.
+    fn add_stiffening(&mut self, parameter: &PrescribedNumber, rate: &mut [f64]) {
+        let slope = self.stiffening(parameter);
         for (out, force) in rate.iter_mut().zip(&self.linearised.residual.contact_gradient) {
-            *out += logarithm * force;
+            *out += slope * force;
         }
     }
 
     /// ∂q/∂p at fixed unknowns.
-    fn explicit(&mut self, of: &Observable, parameter: &Parameter, gradient: &[f64]) -> Result<f64, RunError> {
+    fn explicit(&mut self, of: &Observable, parameter: &PrescribedNumber, gradient: &[f64]) -> Result<f64, RunError> {
         if let Some((node, displacement, rotation)) = parameter.motion(self.engine) {
             let six = [displacement.x, displacement.y, displacement.z, rotation.x, rotation.y, rotation.z];
             return Ok(dot(&gradient[6 * node..6 * node + 6], &six));
@@ -289,11 +295,14 @@ impl Tangent<'_> {
             let at = 6 * (self.engine.first_node[node.rod] + node.node) + component;
             return Ok(self.rate(parameter)?[at]);
         }
-        if parameter.changes_gaps() {
+        if *of == Observable::ContactForce {
             let (thicker, raised) = parameter.closes();
             let gaps = contact::responses(self.choice, &self.contacts, &self.rates);
-            let force = gaps.iter().map(|gap| gap.stiffness * gap.closing(thicker, raised)).sum();
-            return Ok(if *of == Observable::ContactForce { force } else { 0.0 });
+            let closed: f64 = gaps.iter().map(|gap| gap.stiffness * gap.closing(thicker, raised)).sum();
+            return Ok(closed + self.stiffening(parameter) * self.value(of)?);
+        }
+        if parameter.changes_gaps() {
+            return Ok(0.0);
         }
         let (step, engine) = (parameter.step(self.engine), &mut *self.engine);
         let found = difference(step, |by| {

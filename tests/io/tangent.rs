@@ -14,7 +14,7 @@ use crate::program::{folder, run, supercoil};
 fn ring(link: f64, outputs: &str) -> String {
     format!(
         "[[rods]]\nname = \"ring\"\nclosed = true\nshape = {{ kind = \"circle\", length = 1.0 }}\nelements = 16\n\
-         section = {{ bending = 1.0, twisting = 1.5, stretching = 1e6, shearing = 1e6, contact_radius = 0.0 }}\n\
+         section = {{ bending = 1.0, twisting = 1.5, stretching = 1e8, shearing = 1e8, contact_radius = 0.0 }}\n\
          [[stages]]\nramp = {{ excess_link = {{ to = {link:?} }} }}\nsteps = 2\n\
          [output]\npicture = false\nview = false\n{outputs}\n"
     )

@@ -15,7 +15,7 @@ use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, LineLoad, Model, NodeLoad, NodeRef, Ramp, Support};
 use supercoil::solve::{Solver, Status};
-use supercoil::tangent::{Contacts, Tangent};
+use supercoil::tangent::{ContactResponse, EquilibriumTangent};
 
 const RIGID: f64 = 1e8;
 
@@ -47,7 +47,7 @@ fn column(compression: f64, rotation: [bool; 3]) -> Solver {
 }
 
 fn eigenvalues(solver: &mut Solver, count: usize) -> Vec<f64> {
-    Tangent::at(solver, Contacts::ByLaw).unwrap().modes(count).unwrap().eigenvalues().collect()
+    EquilibriumTangent::at(solver, ContactResponse::ByLaw).unwrap().modes(count).unwrap().eigenvalues().collect()
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn pinned_column() {
             let exact = q.powi(4) - compression * q * q;
             verify(&format!("pinned column, P = {compression}"), &format!("mode {k}"), *found, exact, 2e-5 * q.powi(4));
         }
-        let mut tangent = Tangent::at(&mut solver, Contacts::ByLaw).unwrap();
+        let mut tangent = EquilibriumTangent::at(&mut solver, ContactResponse::ByLaw).unwrap();
         assert_eq!(tangent.num_unstable(), if compression > 10.0 { 2 } else { 0 });
         let modes = tangent.modes(1).unwrap();
         assert!(modes.modes.iter().all(|mode| mode.participation.bend > 0.9999));
@@ -91,7 +91,7 @@ fn hanging_rope() {
     let model =
         Model { rods: vec![rod], supports, line_loads, planar: true, contact: Contact::NONE, ..Model::default() };
     let mut solver = at_rest(model);
-    let found = Tangent::at(&mut solver, Contacts::ByLaw).unwrap().vibrations(3, &[2.0]).unwrap();
+    let found = EquilibriumTangent::at(&mut solver, ContactResponse::ByLaw).unwrap().vibrations(3, &[2.0]).unwrap();
     for (mode, j) in found.modes.iter().zip([2.404_825_557_7, 5.520_078_110_3, 8.653_727_912_9]) {
         let exact = j * j / 4.0 / 2.0;
         verify("hanging rope of density 2", "ω²", mode.eigenvalue, exact, 2e-4 * exact);

@@ -10,7 +10,7 @@ use crate::tangent::{Modes, Participation};
 
 /// The part of `summary.json`.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct Summary {
+pub(super) struct ModesPart {
     /// Ascending, over B/L⁴ of the smallest bending stiffness and the longest rod.
     eigenvalues: Vec<f64>,
     /// B/L⁴ \[F/L²\].
@@ -20,7 +20,7 @@ pub(super) struct Summary {
     participation: Vec<Participation>,
 }
 
-impl Summary {
+impl ModesPart {
     pub(super) fn of(modes: &Modes) -> Self {
         Self {
             eigenvalues: modes.eigenvalues().collect(),

@@ -28,7 +28,7 @@ pub(crate) struct Linearised {
     tangent: Vec<f64>,
     /// What springs on zero-energy modes add.
     springs: Vec<f64>,
-    border: Option<Border>,
+    border: Option<SlidingConstraint>,
     /// Gradient and zones of contact at the state.
     pub(crate) residual: Residual,
     /// Zero-energy modes, sliding the last if there is any.
@@ -39,7 +39,7 @@ pub(crate) struct Linearised {
 
 /// The constraint that holds sliding, with its response K⁻¹c.
 #[derive(Debug)]
-struct Border {
+struct SlidingConstraint {
     constraint: Vec<f64>,
     response: Vec<f64>,
     compliance: f64,
@@ -98,7 +98,7 @@ impl Linearised {
         let compliance: f64 = dot(&constraint, &response);
         // inertia on the motions that do not slide (Haynsworth)
         self.num_negative -= usize::from(self.num_negative > 0 && compliance < 0.0);
-        self.border = Some(Border { constraint, response, compliance });
+        self.border = Some(SlidingConstraint { constraint, response, compliance });
         Ok(())
     }
 
@@ -116,7 +116,7 @@ impl Linearised {
     /// sliding constraint.
     pub(crate) fn holding(&self, motion: &[f64]) -> Vec<f64> {
         let mut forces = self.product(&self.springs, motion);
-        if let Some(Border { constraint, .. }) = &self.border {
+        if let Some(SlidingConstraint { constraint, .. }) = &self.border {
             let part = dot(constraint, motion);
             forces.iter_mut().zip(constraint).for_each(|(f, c)| *f += part * c);
         }
