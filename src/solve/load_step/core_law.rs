@@ -71,8 +71,7 @@ impl Solver {
             // infinite
             self.start_under(Law::Linear { stiffness: self.core_stiffness() }, &[]);
             self.search_roughly(report)?;
-            report.penetration = self.contact_errors().penetration;
-            if report.penetration >= TOO_DEEP {
+            if self.contact_errors().penetration >= TOO_DEEP {
                 return Err(Status::Penetration.into());
             }
         } else if near && overlap < MAX_OVERLAP_OF_SHAPE {

@@ -112,7 +112,9 @@ impl Solver {
     fn accept(&self, ended: Result<(), Failed>, mut report: StepReport) -> StepReport {
         let failed = ended.err();
         let is_broken = failed.as_ref().is_some_and(|failed| failed.status == Status::BrokeDown);
-        if !self.augments() && !is_broken {
+        // the augmented Lagrangian that has converged knows it
+        let is_known = failed.is_none() && self.augments();
+        if !is_known && !is_broken {
             report.penetration = self.contact_errors().penetration;
         }
         report.stiffness_reduction = self.engine.stiffness_reduction();
