@@ -212,6 +212,12 @@ fn scene(key: &Key, value: Option<&str>) -> Result<Scene, String> {
     });
     let assignment = value.map_or_else(String::new, |value| format!("{} = {value}", key.name));
     let text = template(key).replace('@', &assignment);
+    // words that need another place, or another key
+    let text = match assignment.as_str() {
+        "side = \"inside\"" => text.replace("radius = 0.01", "radius = 2.0"),
+        "shape = \"cylinder\"" => text.replace("radius = 0.2", "radius = 0.2\naxis = [0, 0, 1]"),
+        _ => text,
+    };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     Scene::from_toml(&text, &folder).map_err(|error| format!("{error}\n{text}"))
 }

@@ -64,7 +64,8 @@ fn planes_are_grids_that_move_with_the_frames() {
         assert!(seen.min[0] < -11.5 && seen.max[1] > 11.5, "beyond the rings: {seen:?}");
     }
     let page = film.page().unwrap();
-    assert!(page.contains("\"normals\":[[0.0,0.0,1.0]]") && page.contains("\"heights\":[0.25]"));
+    let image = |height: f64| format!("\"images\":[[[1.0,0.0,0.0,0.0],[0.0,1.0,0.0,0.0],[0.0,0.0,1.0,{height:?}]]]");
+    assert!(page.contains("\"obstacle\":0") && page.contains(&image(0.0)) && page.contains(&image(0.25)));
     film.frames[0].placements.clear();
     assert!(film.page().unwrap_err().to_string().contains("frames[0].placements"));
 }
