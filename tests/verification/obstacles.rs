@@ -2,7 +2,9 @@
 //!
 //! * A ring of length L and radius ρ about a cylinder that is blown up. Its curvature per reference length stays 2π/L and its
 //!   stretch is λ = 2πρ/L, so that the energy is ½L EA (λ − 1)² and a constant. The pressure in all is its slope, 2π T with the
-//!   tension T = EA (λ − 1), the same everywhere: T/ρ per present length.
+//!   tension T = EA (λ − 1), the same everywhere: T/ρ per present length. The contact curve of a
+//!   stretched rod lies beside the rod between its nodes, h apart; forces are off by about (λh/ρ)²/4 for it: 4.0e-3 on 16
+//!   elements, 4.2e-4 on 48.
 //! * A rope over a pulley, W at each end. On the cylinder its curvature is 1/ρ, ρ = R + ε, its tension T is even, and the
 //!   pressure is T/ρ. A long free end has ½B κ² = W (1 − cos θ), θ its angle with the weight. Curvature is continuous where it
 //!   lifts off: cos θ = 1 − B/(2 W ρ²). There T = W cos θ, and the cylinder pushes with W sin θ at the one point, because shear is W
@@ -44,7 +46,7 @@ fn steps(text: &str) -> Vec<Observation> {
 
 /// A closed ring of radius 1, EA = 1000, in the x-y plane.
 const RING: &str = "planar = true\n[[rods]]\nname = \"ring\"\nclosed = true\nshape = { kind = \"circle\", radius = 1.0 }\n\
-    section = { bending = 1.0, twisting = 1.0, stretching = 1e3, shearing = 1e3, contact_radius = 0.05 }\nelements = 16\n";
+    section = { bending = 1.0, twisting = 1.0, stretching = 1e3, shearing = 1e3, contact_radius = 0.05 }\nelements = 48\n";
 
 #[test]
 fn a_ring_about_a_growing_cylinder_is_stretched_evenly() {
@@ -56,9 +58,9 @@ fn a_ring_about_a_growing_cylinder_is_stretched_evenly() {
     let last = &seen[seen.len() - 1];
     assert!(seen[0].obstacle_sites.is_empty());
     let force = TAU * 1e3 * (1.10 - 1.0);
-    verify("ring about a cylinder", "pressure in all", last.obstacle_reactions[0].force, force, 1e-5 * force);
+    verify("ring about a cylinder", "pressure in all", last.obstacle_reactions[0].force, force, 1e-3 * force);
     let energy = 0.5 * TAU * 1e3 * 0.1f64.powi(2);
-    verify("ring about a cylinder", "stretching energy", last.energies.stretching, energy, 2e-5 * energy);
+    verify("ring about a cylinder", "stretching energy", last.energies.stretching, energy, 2e-3 * energy);
     let push: f64 = last.obstacle_reactions[0].force_on_rods.iter().map(|f| f.abs()).sum();
     assert!(push < 1e-6 * force, "{push}");
 }
@@ -71,7 +73,7 @@ fn a_rope_over_a_pulley_lifts_off_where_its_curvature_says() {
         "planar = true\n[[rods]]\nname = \"rope\"\nshape = {{ kind = \"line\", start = [-4.3, {rho:?}, 0], length = 8.6 }}\n\
          section = {{ bending = {bending:?}, twisting = 0.2, stretching = 1e5, shearing = 1e5, contact_radius = {radius:?} }}\n\
          elements = 96\n[[obstacles]]\nname = \"pulley\"\nshape = \"cylinder\"\naxis = [0, 0, 1]\nradius = 1.0\n\
-         [[supports]]\nat = 0.5\nposition = [\"x\"]\n\
+         [[supports]]\nat = {{ arc = 4.3 }}\nposition = [\"x\"]\n\
          [[loads]]\nat = \"start\"\nforce = [0, {down:?}, 0]\n[[loads]]\nat = \"end\"\nforce = [0, {down:?}, 0]\n\
          [[stages]]\nramp = {{ load = 1.0 }}\nsteps = 10\n",
         down = -weight,

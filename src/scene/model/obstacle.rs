@@ -194,6 +194,21 @@ impl Obstacle {
         Surface { skeleton, level: placement.level, sign }
     }
 
+    /// Whether it passes one of some points \[L\], or comes to have it beyond its middle, on its way from one placement to
+    /// another: what moves by more than its radius may do so. Points count that are as near as it moves, and `spacing` more.
+    /// Hollow bodies and planes have no far side.
+    pub(crate) fn leaps_over(&self, [from, to]: [&ObstaclePose; 2], points: &[Vec3], spacing: f64) -> bool {
+        let surface = self.placed(from);
+        if surface.is_hollow() {
+            return false;
+        }
+        let turned = ObstaclePose { turns: to.turns - from.turns, displacement: Vec3::zeros(), level: 0.0 };
+        let (_, turn) = self.motion(&turned);
+        let way = |x: &Vec3| (turn(&(x - from.displacement)) + to.displacement - x).norm();
+        let is_near = |x: &Vec3, way: f64| surface.distance(&(x - surface.point())) <= way + spacing;
+        points.iter().any(|x| way(x) > to.level.min(from.level) && is_near(x, way(x)))
+    }
+
     /// The map x ↦ A x + b that takes its surface at the start to where it is placed.
     pub fn image(&self, placement: &ObstaclePose) -> (Mat3, Vec3) {
         let (rotation, moved) = self.motion(placement);

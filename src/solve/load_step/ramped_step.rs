@@ -43,13 +43,18 @@ impl Solver {
     }
 
     /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it might lose
-    /// its branch.
+    /// its branch, or an obstacle might pass a strand.
     pub(in crate::solve) fn advance(&mut self, ramps: &[Ramp], take: f64) -> StepReport {
         let start = self.snapshot();
         let target = self.target(ramps, take);
-        let (report, is_doubtful) = self.attempt(&target, true);
-        if !is_doubtful {
-            return report;
+        let leaps = self.leaps(&target);
+        let mut spent = 0;
+        if !leaps {
+            let (report, is_doubtful) = self.attempt(&target, true);
+            if !is_doubtful {
+                return report;
+            }
+            spent = report.iterations;
         }
         let (moved, history) = (self.moved.clone(), self.history.clone());
         let mut parts = match self.restore(start.clone()) {
@@ -61,7 +66,7 @@ impl Solver {
             // of the change that is left
             parts.join(self.advance(ramps, 0.5 * take / (1.0 - 0.5 * take)));
         }
-        parts.iterations += report.iterations;
+        parts.iterations += spent;
         if parts.status == Status::Converged {
             return parts;
         }
@@ -69,13 +74,23 @@ impl Solver {
         if let Err(error) = self.restore(start) {
             return StepReport::refused(error);
         }
-        if parts.status == Status::Stopped {
+        if parts.status == Status::Stopped || leaps {
             return parts;
         }
         // as a whole, then
         let (mut whole, _) = self.attempt(&target, false);
         whole.iterations += parts.iterations;
         whole
+    }
+
+    /// Whether an obstacle moves so far at once that it might pass a strand: such steps are made in halves.
+    fn leaps(&self, target: &Target) -> bool {
+        let (model, state) = (&self.engine.model, &self.engine.state);
+        let mut after = state.placements.clone();
+        target.placements.iter().for_each(|(obstacle, which, to)| after[*obstacle].set(*which, *to));
+        let spacing = model.rods.iter().map(crate::rod::Rod::spacing).fold(0.0, f64::max);
+        let moved = model.obstacles.iter().zip(state.placements.iter().zip(&after)).filter(|(_, (a, b))| a != b);
+        moved.into_iter().any(|(obstacle, (from, to))| obstacle.leaps_over([from, to], &state.positions, spacing))
     }
 
     /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
