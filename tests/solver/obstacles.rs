@@ -9,6 +9,7 @@ use std::path::Path;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::scene::Scene;
+use supercoil::scene::file::TEMPLATES;
 use supercoil::solve::{self, Options, Solution, Status};
 
 fn run(text: &str, options: &Options) -> (Solution, Vec<Observation>) {
@@ -143,5 +144,15 @@ fn obstacles_without_sense_are_refused() {
         assert!(good.contains(from), "{from}");
         let error = Scene::from_toml(&good.replace(from, to), Path::new("")).unwrap_err().to_string();
         assert!(parts.iter().all(|part| error.contains(part)), "{to}: {error}");
+    }
+}
+
+/// The scenes of `supercoil new` converge, and their obstacles bear something.
+#[test]
+fn templates_with_obstacles_converge() {
+    for name in ["pulley", "tube", "capsid"] {
+        let template = TEMPLATES.iter().find(|template| template.name == name).unwrap();
+        let (_, seen) = run(template.text, &Options::default());
+        assert!(seen[seen.len() - 1].obstacle_reactions[0].force > 0.1, "{name}");
     }
 }

@@ -21,7 +21,7 @@ macro_rules! template {
 }
 
 /// All scenes to begin with.
-pub const TEMPLATES: [Template; 7] = [
+pub const TEMPLATES: [Template; 10] = [
     template!("minicircle", "a DNA minicircle supercoils"),
     template!("plasmid", "a plasmid, from the flat circle to a plectoneme"),
     template!("loop", "DNA between two sites that a protein holds: both ends' poses"),
@@ -29,4 +29,7 @@ pub const TEMPLATES: [Template; 7] = [
     template!("knot", "a closed trefoil knot comes to rest"),
     template!("hanging", "a rope between two hooks under its weight, one hook moved in"),
     template!("cable", "three wires twisted into a cable"),
+    template!("pulley", "a rope over a pulley: 5 N hold 5 N"),
+    template!("tube", "a rod in a tube, pushed in at one end"),
+    template!("capsid", "a DNA ring in a capsid that shrinks"),
 ];
