@@ -9,6 +9,8 @@ use crate::rod::{Rod, RodNumber};
 use crate::solve::problem::assembly::{Residual, Tangent};
 use crate::solve::problem::engine::{Engine, give_to_masters};
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::sliding_constraint::SlidingConstraint;
+pub(crate) use crate::solve::problem::sliding_constraint::dot;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
 use crate::solve::problem::zero_energy::ZeroEnergyModes;
@@ -35,14 +37,6 @@ pub(crate) struct Linearised {
     pub(crate) zero_energy: Vec<Vec<f64>>,
     /// Negative eigenvalues of the tangent, those of zero-energy modes left out.
     pub(crate) num_negative: usize,
-}
-
-/// The constraint that holds sliding, with its response K⁻¹c.
-#[derive(Debug)]
-struct SlidingConstraint {
-    constraint: Vec<f64>,
-    response: Vec<f64>,
-    compliance: f64,
 }
 
 impl Linearised {
@@ -95,20 +89,16 @@ impl Linearised {
         self.num_negative = inertia.ok_or(SolveError::Factorisation { iteration: 0, shift: 0.0 })?.num_negative;
         let Some(constraint) = constraint else { return Ok(()) };
         let response = self.solve_unconstrained(&constraint);
-        let compliance: f64 = dot(&constraint, &response);
-        // inertia on the motions that do not slide (Haynsworth)
-        self.num_negative -= usize::from(self.num_negative > 0 && compliance < 0.0);
-        self.border = Some(SlidingConstraint { constraint, response, compliance });
+        let border = SlidingConstraint::new(constraint, response);
+        self.num_negative = border.num_negative(self.num_negative);
+        self.border = Some(border);
         Ok(())
     }
 
     /// A motion under these forces, with some zero-energy modes in it.
     pub(crate) fn solve(&mut self, forces: &[f64]) -> Vec<f64> {
         let mut x = self.solve_unconstrained(forces);
-        if let Some(border) = &self.border {
-            let part = dot(&border.constraint, &x) / border.compliance;
-            x.iter_mut().zip(&border.response).for_each(|(x, w)| *x -= part * w);
-        }
+        self.border.iter().for_each(|border| border.apply(&mut x));
         x
     }
 
@@ -116,17 +106,14 @@ impl Linearised {
     /// sliding constraint.
     pub(crate) fn holding(&self, motion: &[f64]) -> Vec<f64> {
         let mut forces = self.product(&self.springs, motion);
-        if let Some(SlidingConstraint { constraint, .. }) = &self.border {
-            let part = dot(constraint, motion);
-            forces.iter_mut().zip(constraint).for_each(|(f, c)| *f += part * c);
-        }
+        self.border.iter().for_each(|border| border.add_spring(motion, &mut forces));
         forces
     }
 
     /// ln |det| of the tangent with [springs](Self::holding), that along the sliding constraint infinitely stiff, so
     /// that its stiffness is a factor that is left out.
     pub(crate) fn log_determinant(&self) -> f64 {
-        let border = self.border.as_ref().map_or(0.0, |border| border.compliance.abs().ln());
+        let border = self.border.as_ref().map_or(0.0, |border| border.compliance().abs().ln());
         self.factor.log_determinant() + border
     }
 
@@ -218,8 +205,4 @@ fn add_product(pattern: &Pattern, bases: &Bases, values: &mut [f64], vector: &No
             bases.add_block(pattern, values, (*p, *q), |i, j| factor * a[i] * b[j]);
         }
     }
-}
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -14,6 +14,7 @@
 //! | `linearised` | tangent and factor at a state, for those above the solver |
 //! | `swivel`, `moment_load` | supports that hold the rotation about one axis; moments of fixed direction |
 //! | `zero_energy` | motions that nothing resists, and the springs that hold them |
+//! | `sliding_constraint` | what holds the sliding of a uniform ring along itself |
 //! | `falling` | rods that nothing is left to carry |
 //! | `twist_limit` | no frame turns past half a turn against its neighbour |
 //! | `bend` | how tightly rods are bent for their thickness |
@@ -38,6 +39,7 @@ mod measured_tangents;
 pub(in crate::solve) mod moment_load;
 pub(in crate::solve) mod prescribed_motion;
 pub(in crate::solve) mod problem_size;
+pub(in crate::solve) mod sliding_constraint;
 pub(in crate::solve) mod state;
 pub(crate) mod swivel;
 mod twist_limit;

@@ -6,6 +6,7 @@ use crate::solve::problem::assembly::{Places, Residual, Tangent};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::add_moment_skew;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::sliding_constraint::SlidingConstraint;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
 use crate::solve::problem::zero_energy::ZeroEnergyModes;
@@ -32,7 +33,7 @@ pub(crate) struct Workspace {
     pub(crate) tangent: Tangent,
     /// Neutral motions at the last linearisation.
     pub(crate) zero_energy: ZeroEnergyModes,
-    border: Option<Border>,
+    border: Option<SlidingConstraint>,
     /// Generation of the candidates that the pattern belongs to.
     generation: u64,
     pub(crate) shift: f64,
@@ -159,10 +160,7 @@ impl Workspace {
         self.border = None;
         let Some(constraint) = self.zero_energy.sliding_constraint() else { return Some(negative) };
         let response = self.solve_unconstrained(engine, &constraint);
-        let compliance: f64 = constraint.iter().zip(&response).map(|(c, w)| c * w).sum();
-        self.border = Some(Border { constraint, response, compliance });
-        // inertia of the tangent on the motions that do not slide (Haynsworth)
-        Some(negative - usize::from(negative > 0 && compliance < 0.0))
+        Some(self.border.insert(SlidingConstraint::new(constraint, response)).num_negative(negative))
     }
 
     /// Rounding error of a zero eigenvalue (of the tangent over the masses, in units of B/L⁴): a few units in the last
@@ -192,12 +190,7 @@ impl Workspace {
     /// Solves with the last factorisation for all unknowns, without sliding of a uniform closed rod along itself.
     pub(crate) fn solve_last(&mut self, engine: &Engine, rhs_nodes: &[f64]) -> Vec<f64> {
         let mut x = self.solve_unconstrained(engine, rhs_nodes);
-        if let Some(border) = &self.border {
-            let part: f64 = border.constraint.iter().zip(&x).map(|(c, x)| c * x).sum();
-            for (x, w) in x.iter_mut().zip(&border.response) {
-                *x -= part / border.compliance * w;
-            }
-        }
+        self.border.iter().for_each(|border| border.apply(&mut x));
         x
     }
 
@@ -230,14 +223,6 @@ impl Workspace {
         let shift = if has_loose_motions(engine) { LOOSE } else { NEUTRAL_SHIFT };
         self.factorise(engine, shift).ok_or(SolveError::Factorisation { iteration: 0, shift })
     }
-}
-
-/// A constraint that holds the neutral sliding motion, with its response K⁻¹c.
-#[derive(Debug)]
-struct Border {
-    constraint: Vec<f64>,
-    response: Vec<f64>,
-    compliance: f64,
 }
 
 /// Whether one of several rods is clamped nowhere, so that others may move it as a whole, or a closed one bears loads.
