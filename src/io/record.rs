@@ -467,13 +467,11 @@ impl Record {
     }
 
     fn write_resultants(&self, last: &RecordedFrame) -> Result<(), InputError> {
-        let of = |(index, rod): (usize, &'_ RodSnapshot)| self.head(index, last.step).arc_lengths(rod.frames.len());
-        let arcs: Vec<Vec<f64>> = last.rods.iter().enumerate().map(of).collect();
-        let rods = last.rods.iter().zip(arcs).enumerate().filter(|(_, (rod, _))| !rod.fields.curvature.is_empty());
+        let rods = last.rods.iter().enumerate().filter(|(_, rod)| !rod.fields.curvature.is_empty());
         let rods: Vec<ResultantsOf> = rods
-            .map(|(index, (rod, arc_lengths))| ResultantsOf {
+            .map(|(index, rod)| ResultantsOf {
                 name: &self.rods[index].name,
-                arc_lengths,
+                arc_lengths: self.head(index, last.step).arc_lengths(rod.frames.len()),
                 frames: &rod.frames,
                 fields: &rod.fields,
                 contact_force: &rod.smoothed_contact_force,

@@ -14,7 +14,8 @@ mod run;
 mod stl;
 
 use crate::error::InputError;
-use crate::io::picture::{Palette, obstacle};
+use crate::io::picture::span::{Node, tangents};
+use crate::io::picture::{Palette, obstacle, radius_at};
 use crate::math::{Mat3, Vec3};
 use crate::scene::{Obstacle, ObstaclePose, Units};
 
@@ -248,5 +249,16 @@ impl Film {
             }
         }
         Ok(())
+    }
+}
+impl FrameRod {
+    /// Its points with the data for drawing tubes, in these colours (linear light).
+    fn nodes(&self, closed: bool, color: impl Fn(usize) -> Vec3) -> Vec<Node> {
+        let node = |(i, tangent): (usize, Vec3)| {
+            let direction = self.directions[i] - tangent * tangent.dot(&self.directions[i]);
+            let stripe = direction.try_normalize(0.0).unwrap_or_default();
+            Node { point: self.points[i], tangent, radius: radius_at(&self.radii, i), color: color(i), stripe }
+        };
+        tangents(&self.points, closed).into_iter().enumerate().map(node).collect()
     }
 }

@@ -17,8 +17,8 @@ use gltf_json::{Accessor, Asset, Buffer, Index, Material, Mesh, Node, Root, Scen
 
 use crate::error::InputError;
 use crate::io::picture::palette::{PALE, linear};
-use crate::io::picture::span::{self, tangents};
-use crate::io::picture::{Stripe, colors_by_value, radius_at};
+use crate::io::picture::span;
+use crate::io::picture::{Stripe, colors_by_value};
 use crate::math::Vec3;
 
 use super::mesh::{self, MeshStyle, per_ring, tube};
@@ -211,18 +211,9 @@ impl<'a> GlbWriter<'a> {
             Quantity::Strand => vec![STRANDS[index % STRANDS.len()]; rod.points.len()],
             _ => colors_by_value(color.of(rod), color.palette(), Some((self.range[0], self.range[1]))),
         };
-        let node = |(i, tangent): (usize, Vec3)| {
-            let direction = rod.directions[i] - tangent * tangent.dot(&rod.directions[i]);
-            let stripe = direction.try_normalize(0.0).unwrap_or_default();
-            span::Node {
-                point: rod.points[i] - self.center,
-                tangent,
-                radius: radius_at(&rod.radii, i),
-                color: linear(colors[i]),
-                stripe,
-            }
-        };
-        tangents(&rod.points, self.film.rods[index].closed).into_iter().enumerate().map(node).collect()
+        let mut nodes = rod.nodes(self.film.rods[index].closed, |i| linear(colors[i]));
+        nodes.iter_mut().for_each(|node| node.point -= self.center);
+        nodes
     }
 
     /// Adds values to the data, and their accessor.

@@ -5,8 +5,6 @@ use std::path::Path;
 use super::mesh::solid;
 use super::{Film, FrameRod};
 use crate::error::InputError;
-use crate::io::picture::radius_at;
-use crate::io::picture::span::{Node, tangents};
 use crate::math::Vec3;
 
 /// Sides of a tube: 15° each, an outline within 1 % of the radius.
@@ -28,7 +26,9 @@ impl Film {
         };
         let drawn = frame.rods.iter().enumerate().filter(|(_, rod)| rod.points.len() > 1);
         let triangles: Vec<[Vec3; 3]> = drawn
-            .flat_map(|(index, rod)| solid(&nodes(rod, self.rods[index].closed), &self.style(index, rod)))
+            .flat_map(|(index, rod)| {
+                solid(&rod.nodes(self.rods[index].closed, |_| Vec3::zeros()), &self.style(index, rod))
+            })
             .collect();
         let count = u32::try_from(triangles.len()).map_err(|_| {
             let reason = format!("{} triangles: STL counts at most {}", triangles.len(), u32::MAX);
@@ -56,15 +56,6 @@ impl Film {
         let (closed, stripe) = (self.rods[index].closed, Vec3::zeros());
         super::mesh::MeshStyle { closed, seam_turns: rod.seam_turns, sides: SIDES, stripe }
     }
-}
-
-fn nodes(rod: &FrameRod, closed: bool) -> Vec<Node> {
-    let node = |(i, tangent): (usize, Vec3)| {
-        let direction = rod.directions[i] - tangent * tangent.dot(&rod.directions[i]);
-        let stripe = direction.try_normalize(0.0).unwrap_or_default();
-        Node { point: rod.points[i], tangent, radius: radius_at(&rod.radii, i), color: Vec3::zeros(), stripe }
-    };
-    tangents(&rod.points, closed).into_iter().enumerate().map(node).collect()
 }
 
 /// A triangle: its unit normal, its corners, two unused bytes.
