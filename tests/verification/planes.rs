@@ -23,8 +23,8 @@ use supercoil::observe::report::{Observation, ObstacleSite, SiteKind};
 use supercoil::scene::Scene;
 use supercoil::solve::{self, Options, Status};
 
-/// All steps of a scene.
-fn steps(text: &str) -> Vec<Observation> {
+/// All steps of a scene; none penetrates by more than is tolerated.
+pub(crate) fn steps(text: &str) -> Vec<Observation> {
     let scene = Scene::from_toml(text, Path::new("")).unwrap();
     let mut seen = Vec::new();
     let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
