@@ -8,18 +8,18 @@
 //!   projection's own ribbon (the same number to rounding, in a time proportional to the edges and crossings).
 //! * [`link_of_ends`] is the link of an open rod between parallel ends, by the same crossings.
 //! * [`ribbon_twist`] is the twist of a material direction about the same polygon.
-//! * [`alexander`] distinguishes knots.
+//! * [`knot_type`] names knots, by their Alexander and Jones polynomials.
 //! * [`writhe_smooth`] is the writhe of a smooth curve to near rounding from a few hundred samples.
 
 mod crossings;
-mod knot;
+pub(crate) mod knot;
 mod smooth;
 
 use crate::math::direction::{any_normal, transport};
 use crate::math::{Vec3, parallel};
 use std::f64::consts::TAU;
 
-pub use knot::{Alexander, alexander};
+pub use knot::{Alexander, KnotType, alexander, knot_type};
 pub use smooth::writhe_smooth;
 
 /// Link, twist and writhe of a closed rod, in turns; `link = twist + writhe`.

@@ -1,7 +1,7 @@
 //! Knot types and tightness of rods, and linking numbers of pairs of rods.
 
 use crate::math::Vec3;
-use crate::math::link::{alexander, linking_number};
+use crate::math::link::{KnotType, knot_type, linking_number};
 use crate::rod::Rod;
 use crate::scene::Model;
 use crate::solve::Engine;
@@ -43,8 +43,8 @@ pub(super) fn given_knots(model: &Model) -> Vec<(usize, f64, f64, String)> {
         if !model.rods[rod].closed {
             close(&mut points);
         }
-        let found = alexander(&points)?;
-        Some((rod, found.determinant.round(), found.at_third.round(), found.name().to_owned()))
+        let KnotType { name, alexander } = knot_type(&points)?;
+        Some((rod, alexander.determinant.round(), alexander.at_third.round(), name))
     };
     looked_at(model).into_iter().filter_map(of).collect()
 }
@@ -92,11 +92,11 @@ pub(super) fn knots(engine: &Engine, gap: Option<&GapReport>) -> Vec<Knot> {
         if !rods[rod].closed {
             close(&mut points);
         }
-        let found = alexander(&points)?;
+        let KnotType { name, alexander } = knot_type(&points)?;
         let is_one_tube = rods[rod].closed && rods[rod].contact_radii.is_none() && rods.len() == 1;
         let ropelength = gap.filter(|_| is_one_tube).map(|gap| ropelength(engine, rod, gap));
-        let name = found.name().to_owned();
-        Some(Knot { rod, name, determinant: found.determinant.round(), at_third: found.at_third.round(), ropelength })
+        let [determinant, at_third] = [alexander.determinant, alexander.at_third].map(f64::round);
+        Some(Knot { rod, name, determinant, at_third, ropelength })
     };
     looked_at(engine.model()).into_iter().filter_map(of).collect()
 }

@@ -86,7 +86,7 @@ fn changes(progress: &Progress, links: &[RodLink], linking: &[Linking], knots: &
         let Some((_, determinant, at_third, name)) = start.knots.iter().find(|(rod, ..)| *rod == of.rod) else {
             continue;
         };
-        let same = *name == of.name && *determinant == of.determinant && *at_third == of.at_third;
+        let same = mirrors_alike(name) == mirrors_alike(&of.name) && *determinant == of.determinant && *at_third == of.at_third;
         let (rod, open) = (&rods[of.rod].name, !rods[of.rod].closed);
         let how = if open { "a strand has passed over an end" } else { through };
         let text = format!("the knot of rod \"{rod}\" is {}, not {name} as given: {how}", of.name);
@@ -94,6 +94,11 @@ fn changes(progress: &Progress, links: &[RodLink], linking: &[Linking], knots: &
         all.push(TopologyChange { size: f64::from(u8::from(!same)), is_barred, text });
     }
     all
+}
+
+/// The name without the stars of mirror images: of a projection too wide for the Jones polynomial they are not known.
+fn mirrors_alike(knot: &str) -> String {
+    knot.replace('*', "")
 }
 
 /// Knots and links of the shapes as given, measured once.

@@ -8,7 +8,6 @@ mod canonical;
 mod frames;
 mod gravity;
 mod help;
-mod knots;
 mod memory;
 mod mesh;
 mod obstacles;

@@ -240,7 +240,7 @@ impl Columns {
             self.add(
                 &of_rod(model, rod, "knot"),
                 "",
-                "simplest knot with its Alexander polynomial; 0_1: none",
+                "simplest knot with its polynomials (Alexander, Jones), to eight crossings; 0_1: none; a star: mirror image",
                 move |step| knot(step).map_or_else(String::new, |knot| knot.name).into(),
             );
             if model.rods.len() == 1 && model.rods[rod].closed {

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::math::Vec3;
+use crate::math::link::knot::{closed_braid::closed_braid, table};
 use crate::rod::within;
 use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
 use crate::scene::{Import, read_points_with, smooth_points};
 
-use super::knots;
 use super::text::ShapeText;
 use super::values::List;
 
@@ -75,11 +75,11 @@ fn knot(text: &ShapeText, wound: &Wound) -> Result<Vec<Vec3>, InputError> {
         return Err(InputError::inconsistent("shape", "a knot is closed: set closed = true"));
     }
     let word = match (name, braid) {
-        (Some(name), None) => knots::named(name)?,
+        (Some(name), None) => table::named(name)?,
         (None, Some(word)) => word.clone(),
         _ => return Err(InputError::inconsistent("shape", "a knot is given by its name or by a braid, one of them")),
     };
-    let points = knots::closed_braid(&word, *component)?;
+    let points = closed_braid(&word, *component)?;
     let scale = match (length, distance) {
         (Some(_), Some(_)) => {
             return Err(InputError::inconsistent("shape.distance", "follows from the length: give one of them"));
