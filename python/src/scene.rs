@@ -56,9 +56,9 @@ impl Scene {
         self.0.thermal()
     }
 
-    /// Steps of all stages.
-    fn num_steps(&self) -> usize {
-        self.0.stages.iter().map(|stage| stage.steps).sum()
+    /// Steps of each stage.
+    fn stage_steps(&self) -> Vec<usize> {
+        self.0.stages.iter().map(|stage| stage.steps).collect()
     }
 
     /// What to know of the scene, and what is probably not meant.

@@ -36,7 +36,10 @@ class SweepPlan:
 
     @classmethod
     def read(cls, directory: Folder) -> SweepPlan:
-        """The plan in the folder of a sweep, as ``supercoil sweep plan`` has written it."""
+        """The plan in the folder ``directory`` of a sweep, as ``supercoil sweep plan`` has written it.
+
+        Raises :class:`InputError` for a folder without one.
+        """
         return cls._of(_supercoil.Plan.read(directory))
 
     @classmethod
@@ -46,7 +49,10 @@ class SweepPlan:
         return plan
 
     def write(self, directory: Folder) -> None:
-        """Writes the plan into a folder, for ``supercoil sweep run``."""
+        """Writes the plan into the folder ``directory``, for ``supercoil sweep run``.
+
+        Raises :class:`InputError` for a folder that has another plan.
+        """
         self._native.write(directory)
 
     @cached_property
@@ -55,7 +61,10 @@ class SweepPlan:
         return self._native.cases()
 
     def only(self, indices: Sequence[int]) -> SweepPlan:
-        """The plan of some of the cases."""
+        """The plan of the cases with these ``indices``, from 0.
+
+        Raises :class:`InputError` for a case that is not there.
+        """
         return self._of(self._native.only(list(indices)))
 
     def __len__(self) -> int:
@@ -94,7 +103,10 @@ class SweepResult:
         return pandas.DataFrame(self.table)
 
     def save(self, path: Folder) -> None:
-        """Writes the table as a Parquet file."""
+        """Writes the table as the Parquet file ``path``.
+
+        Raises :class:`OSError` for a file that cannot be written.
+        """
         Path(path).write_bytes(self.parquet)
 
     def __repr__(self) -> str:
@@ -118,7 +130,7 @@ def sweep(
     by side [default: one a core].
 
     A case that fails is a row with status and message. The table is the same to the bit however it came about, but for
-    the column ``seconds``.
+    the column ``seconds``. Raises :class:`InputError` for a ``plan`` that cannot be read.
     """
     if not isinstance(plan, SweepPlan):
         plan = SweepPlan(plan)

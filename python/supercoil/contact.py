@@ -16,7 +16,8 @@ __all__ = ["Curve", "detect", "link", "writhe"]
 
 @dataclass(kw_only=True)
 class Curve:
-    """A polyline through ``points`` (n, 3) [L] with a contact radius [L]: one number, or one a segment."""
+    """A polyline through ``points`` (n, 3) [L] with a contact ``radius`` [L]: one number, or one a segment. ``closed`` joins the
+    last point to the first."""
 
     points: ArrayLike
     radius: float | ArrayLike
@@ -40,7 +41,7 @@ def detect(curves: Sequence[Curve], range: float = 0.0) -> dict[str, NDArray[Any
 
 
 def link(a: ArrayLike, b: ArrayLike) -> float:
-    """Linking number of two closed polygons (n, 3) and (m, 3), an integer up to rounding.
+    """Linking number of two closed polygons ``a`` (n, 3) and ``b`` (m, 3), an integer up to rounding.
 
     Raises :class:`supercoil.InputError` for points that are not finite, which it names. Where polygons cross each other the
     number is the mean of those beside the crossing.
@@ -49,5 +50,8 @@ def link(a: ArrayLike, b: ArrayLike) -> float:
 
 
 def writhe(points: ArrayLike, closed: bool = True) -> float:
-    """Writhe of a polygon (n, 3), turns. Raises :class:`supercoil.InputError` for points that are not finite."""
+    """Writhe of the polygon through ``points`` (n, 3), turns; ``closed`` joins the last to the first.
+
+    Raises :class:`supercoil.InputError` for points that are not finite.
+    """
     return _supercoil.writhe(_points(points), closed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import itertools
 import json
 import os
 import pickle
@@ -29,12 +30,12 @@ Vector = Sequence[float] | NDArray[Any]
 
 @dataclass(kw_only=True)
 class Rod:
-    """A rod, with the keys of ``[[rods]]`` in a scene file.
+    """A rod, with the keys of ``[[rods]]`` in a scene file: a ``name``, ``closed`` or not, elements of ``order`` 1, 2 or 3.
 
     ``shape`` and ``section`` are tables such as ``{"kind": "circle", "length": 6.0}`` [L] and ``{"bending": 1.0,
     "twisting": 1.5, "stretching": 1e4, "shearing": 1e4, "contact_radius": 0.1}`` [F·L², F, L]. ``elements`` may be left
     out where the scene has a fidelity or the rod a sequence. Closed rods have an ``excess_link`` [turns beyond the relaxed
-    rod], or in its place ``sigma`` or the whole ``link``; open ones a ``twist`` [turns].
+    rod], or in its place ``sigma`` or the whole ``link``; open ones a ``twist`` [turns]. ``roll`` [turns] turns the first frame about the rod.
 
     ``dna``, such as ``{"base_pairs": 336, "salt_mM": 150}``, stands for the section and the shape's length, in nm and pN.
     ``sequence``, such as ``{"letters": "ACGT…", "steps": "ideal"}``, gives stiffness and natural strains; a plain string of
@@ -62,9 +63,11 @@ class Rod:
     link: float | None = None
     twist: float | None = None
     sequence: str | Table | None = None
-    #: Weight under the scene's ``gravity``, by one of: mass per volume, mass, weight per length [F/L].
+    #: Weight under the scene's ``gravity``, by one of three: mass per volume,
     density: float | None = None
+    #: the mass of the whole rod,
     mass: float | None = None
+    #: or weight per length [F/L].
     weight: float | None = None
     #: Part of the natural state of a table, or of the change of it by proteins, at the start: 0 to 1.
     binding: float | None = None
@@ -89,7 +92,7 @@ class Rod:
 
 @dataclass(kw_only=True)
 class Support:
-    """Fixes a node: ``at`` is "start", "end", a node index or ``{"arc": s}``; ``position`` and ``rotation`` are True or
+    """Fixes a node of ``rod`` (a name, or several; by default the only one): ``at`` is "start", "end", a node index or ``{"arc": s}``; ``position`` and ``rotation`` are True or
     a list of axes such as ``["x", "y"]``."""
 
     at: str | int | Table
@@ -100,7 +103,8 @@ class Support:
 
 @dataclass(kw_only=True)
 class Load:
-    """Dead force [F] and moment [F·L] at a node, times the load factor of the stages."""
+    """Dead ``force`` (3,) [F] and ``moment`` (3,) [F·L] at a node of ``rod``, times the load factor of the stages. ``at`` as for
+    :class:`Support`."""
 
     at: str | int | Table
     rod: str | None = None
@@ -110,7 +114,8 @@ class Load:
 
 @dataclass(kw_only=True)
 class LineLoad:
-    """Dead force [F/L] and moment [F] per reference length on a whole rod, times the load factor of the stages."""
+    """Dead ``force`` (3,) [F/L] and ``moment`` (3,) [F] per reference length on a whole ``rod``, times the load factor of the
+    stages."""
 
     force: Vector | None = None
     moment: Vector | None = None
@@ -120,7 +125,7 @@ class LineLoad:
 @dataclass(kw_only=True)
 class Plane:
     """A plane that rods rest on, without friction: ``normal`` [a unit vector] points towards the rods, ``point`` [L] is on
-    it. Several need names, by which stages move them."""
+    it. Several need a ``name`` each, by which stages move them."""
 
     normal: Vector
     point: Vector | None = None
@@ -131,7 +136,7 @@ class Plane:
 class Obstacle:
     """A rigid cylinder or sphere without friction. ``shape``: ``"cylinder"``, about the ``axis`` through ``point`` [L], or
     ``"sphere"``, about ``point``; ``radius`` [L]; ``side``: where rods are, ``"outside"`` or ``"inside"``. ``hinge``:
-    ``{"through": […], "axis": […]}``, the line about which stages turn it. Several need names."""
+    ``{"through": […], "axis": […]}``, the line about which stages turn it. Several need a ``name`` each."""
 
     shape: Literal["cylinder", "sphere"]
     radius: float
@@ -276,6 +281,8 @@ class Scene:
         """Reads a scene from a file, or from text if ``source`` is a string of more than one line.
 
         Files named in a scene file are found relative to it, those named in text relative to the working directory.
+
+        Raises :class:`InputError` with the place in the text, the value and what is allowed.
         """
         scene = cls.__new__(cls)
         if isinstance(source, str) and "\n" in source:
@@ -302,8 +309,10 @@ class Scene:
     ) -> Scene:
         """A DNA minicircle in nm and pN, from the relaxed circle to supercoiling density ``sigma``.
 
-        The contact diameter follows the concentration of sodium chloride, ``salt_mM`` from 10 to 1000 mmol/l. Without
-        ``elements`` the fidelity sets the mesh.
+        The contact diameter follows the concentration of sodium chloride, ``salt_mM`` from 10 to 1000 mmol/l. Its length is
+        that of ``base_pairs``. Without ``elements`` the ``fidelity`` sets the mesh. The link changes in ``steps``.
+
+        Raises :class:`InputError` for numbers out of their ranges.
         """
         if base_pairs < 1:
             raise InputError(f"base_pairs = {base_pairs}: must be at least 1")
@@ -326,7 +335,10 @@ class Scene:
         return self._text
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a scene file, and beside it the files of the arrays in it: what ``supercoil run`` reads."""
+        """Writes the scene file ``path``, and beside it the files of the arrays in it: what ``supercoil run`` reads.
+
+        Raises :class:`OSError` for a file that cannot be written.
+        """
         path = Path(path)
         path.write_text(self._text, encoding="utf-8")
         self._write_files(path.parent)
@@ -368,8 +380,8 @@ class Scene:
         """Runs all stages.
 
         ``callback`` sees the start and every accepted state, and stops the run by returning False; its exceptions and
-        Ctrl-C end the run and pass through. ``progress`` shows how far the run is on the error stream: one line that is
-        written over on a terminal, else a line a step. ``threads`` do not change the result; by default all are used. Other
+        Ctrl-C end the run and pass through. ``progress`` shows how far the run is: tqdm's bar where tqdm is installed, in
+        notebooks and terminals, else a line a step on the error stream. ``threads`` do not change the result; by default all are used. Other
         Python threads go on meanwhile. ``keep``: which states :attr:`Result.states` has, the last one only, all of them, or
         every so many steps (the start and the last always).
 
@@ -383,7 +395,7 @@ class Scene:
         if isinstance(every, str) or (every is not None and (isinstance(every, bool) or every < 1)):
             raise InputError(f"keep = {keep!r}: must be 'last', 'all' or a number of steps of at least 1")
         states: list[State] = []
-        bar = _Bar(self._native.num_steps()) if progress else None
+        bar = _Bar(self._native.stage_steps()) if progress else None
 
         def seen(native: _supercoil.State) -> object:
             state = State(native)
@@ -395,16 +407,21 @@ class Scene:
             return None if callback is None else callback(state)
 
         watch = seen if progress or callback is not None or every is not None else None
-        result = Result(self, *self._native.run(watch, threads))
-        if bar is not None:
-            bar.close()
+        try:
+            result = Result(self, *self._native.run(watch, threads))
+        finally:
+            if bar is not None:
+                bar.close()
         if states and states[-1].observation["step"] == result.state.observation["step"]:
             states.pop()
         result.states = [*states, result.state]
         return result
 
     def solver(self, threads: int | None = None) -> Solver:
-        """The solver, to be driven by hand; the stages of the scene are not run."""
+        """The solver, to be driven by hand; the stages of the scene are not run. ``threads`` as for :meth:`run`.
+
+        Raises :class:`InputError` for fewer than one thread.
+        """
         _check_threads(threads)
         return Solver(self, threads)
 
@@ -422,28 +439,40 @@ def _scene_of(text: str, base_dir: Path, files: dict[str, bytes]) -> Scene:
     return scene
 
 
-class _Bar:
-    """How far a run is, on the error stream."""
+#: Steps may be parts of steps: tqdm's own format, with one digit.
+_BAR_FORMAT = "{l_bar}{bar}| {n:.1f}/{total} [{elapsed}<{remaining}, {rate_fmt}{postfix}]"
 
-    def __init__(self, steps: int) -> None:
-        self.steps, self.on_terminal = steps, sys.stderr.isatty()
+
+class _Bar:
+    """How far a run is, on the error stream: tqdm's bar where tqdm is installed, else a line a step."""
+
+    def __init__(self, stage_steps: list[int]) -> None:
+        #: Steps before each stage, and of all.
+        self.before = [0, *itertools.accumulate(stage_steps)]
+        self.steps = stage_steps
+        try:
+            from tqdm.auto import tqdm
+        except ImportError:
+            self.bar: Any = None
+        else:
+            self.bar = tqdm(total=self.before[-1], unit="step", bar_format=_BAR_FORMAT)
 
     def show(self, state: State) -> None:
         step = state.observation
-        told = (
-            f"step {step['step']}: stage {step['stage'] + 1} at {100 * step['fraction']:.0f} %, "
-            f"energy {step['energies']['total']:.6g}, {step['num_sites']} contact sites"
-        )
-        if not self.on_terminal:
-            print(told, file=sys.stderr)
+        stage = min(step["stage"], len(self.steps) - 1)
+        told = f"energy {step['energies']['total']:.6g}, {step['num_sites']} contact sites"
+        if self.bar is None:
+            where = f"step {step['step']}: stage {step['stage'] + 1} at {100 * step['fraction']:.0f} %"
+            print(f"{where}, {told}", file=sys.stderr)
             return
-        done = min(step["step"] / self.steps, 1.0) if self.steps else 1.0
-        bar = "#" * round(20 * done)
-        print(f"\r{100 * done:3.0f} % [{bar:<20}] {told}\033[K", end="", file=sys.stderr, flush=True)
+        if stage >= 0:
+            # steps that are cut back are parts of one
+            self.bar.n = self.before[stage] + step["fraction"] * self.steps[stage]
+        self.bar.set_postfix_str(told)
 
     def close(self) -> None:
-        if self.on_terminal:
-            print(file=sys.stderr)
+        if self.bar is not None:
+            self.bar.close()
 
 
 class Step(dict[str, Any]):
@@ -457,7 +486,7 @@ class Step(dict[str, Any]):
 
 
 class Result:
-    """How a run went."""
+    """How a run went: its ``status``, reports of its ``steps``, the states that were kept."""
 
     def __init__(
         self, scene: Scene, state: _supercoil.State, steps: str, status: str, failure: str | None, seconds: float
@@ -488,7 +517,8 @@ class Result:
     def table(self) -> dict[str, NDArray[Any]]:
         """The columns of ``table.csv``, one entry of each array an accepted step, in the scene's units: what was ramped,
         link and ends of the rods, energies (``bending_energy``, …, ``total_energy``), contact, reactions, ``status``,
-        ``notes``. Where there is no number, as no gap where nothing is near, it is NaN."""
+        ``notes``: a dict of arrays (n,), their units in :attr:`units`. Where there is no number, as no gap where nothing is near, it
+        is NaN."""
         columns = json.loads(self.scene._native.table(self._steps))
         missing = {name: [np.nan if value is None else value for value in values] for name, values in columns}
         return {name: np.array(values) for name, values in missing.items()}
@@ -578,7 +608,11 @@ class Result:
             return (Path(folder) / "view.html").read_text(encoding="utf-8")
 
     def view(self, path: Path_ | None = None, open_browser: bool = True) -> Path:
-        """Writes :meth:`page` into a file and shows it in the browser; returns the file (a temporary one without ``path``)."""
+        """Writes :meth:`page` into a file and shows it in the browser; returns the file (a temporary one without
+        ``path``). ``open_browser``: False only writes it.
+
+        Raises :class:`OSError` for a file that cannot be written.
+        """
         if path is None:
             path = Path(tempfile.mkdtemp(prefix="supercoil-")) / "view.html"
         file = Path(path).absolute()
@@ -588,12 +622,18 @@ class Result:
         return file
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes scene, last state and reports into a file for :meth:`load`."""
+        """Writes scene, states that were kept and reports into the file ``path`` for :meth:`load`.
+
+        Raises :class:`OSError` for a file that cannot be written.
+        """
         Path(path).write_bytes(pickle.dumps(self))
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Result:
-        """Reads what :meth:`save` wrote. The file is a pickle: read only what you trust."""
+        """Reads what :meth:`save` wrote into the file ``path``. It is a pickle: read only what you trust.
+
+        Raises :class:`InputError` for a pickle of something else.
+        """
         result = pickle.loads(Path(path).read_bytes())
         if not isinstance(result, Result):
             raise InputError(f"{path}: must be a saved result, found {type(result).__name__}")
@@ -604,8 +644,8 @@ class Result:
         return _result_of, (self.scene, states, self._steps, self.status, self.failure, self.seconds)
 
     def plot(self, x: str, y: str | Sequence[str], ax: Any = None) -> Any:
-        """Draws columns of :attr:`table` against another, axes with their units; returns the matplotlib axes. Needs
-        matplotlib.
+        """Draws the columns ``y`` of :attr:`table` against the column ``x``, axes with their units, into the matplotlib axes ``ax``
+        or new ones; returns them. Needs matplotlib.
 
         Raises :class:`InputError` for columns that are not there.
         """
@@ -697,7 +737,9 @@ class PathPoint:
     kind: str
     #: The parameter in the ramp's own unit.
     value: float
+    #: Unstable directions.
     num_unstable: int
+    #: The state there.
     state: State
 
 
@@ -707,6 +749,7 @@ class EquilibriumPath:
 
     #: "Target", "MaxPoints", "StepTooSmall", "NoStart", "Stopped" or "BrokeDown".
     end: str
+    #: In order along the path, the start first.
     points: list[PathPoint]
 
 
@@ -748,7 +791,8 @@ class Solver:
     ) -> StepReport:
         """Moves all that is given to its target in one step, without cut-back; targets as in :class:`Stage`.
 
-        A step that does not converge leaves the solver where the attempt ended.
+        A step that does not converge leaves the solver where the attempt ended. Raises :class:`InputError` for targets that are
+        refused, :class:`SolveError` where numbers break down.
         """
         stage = Stage(
             excess_link=excess_link,
@@ -783,7 +827,9 @@ class Solver:
         """Follows the path of equilibria past limit points, stable or not, with one ramp as its parameter.
 
         ``step`` and ``max_step`` are arc lengths of the path: ds² = mean |δr|²/L² + mean |θ|² + (δλ/range)². The solver
-        keeps the last point.
+        keeps the last of at most ``max_points``. The ramp is one of those of :class:`Stage`.
+
+        Raises :class:`InputError` for several ramps or a target that is refused.
         """
         stage = Stage(
             excess_link=excess_link, rotation=rotation, displacement=displacement, load=load, pressure=pressure
@@ -802,29 +848,36 @@ class Solver:
         return self._native.num_unstable()
 
     def modes(self, count: int = 6, *, contacts: str = "law") -> Modes:
-        """The softest modes of the present state. ``contacts``: "law", "locked" or "free"."""
+        """The ``count`` softest modes of the present state: shapes (m, n, 3) [L]. ``contacts``: "law", "locked" or "free".
+
+        Raises :class:`InputError` for another word or number, :class:`SolveError` for a state that is not at rest.
+        """
         eigenvalues, unit, shares, shapes = self._native.modes(count, contacts)
         nodes = shapes.reshape(len(eigenvalues), -1, 6)
         return Modes(np.array(eigenvalues), unit, np.array(shares).reshape(-1, 4), nodes[:, :, :3], nodes[:, :, 3:])
 
     def gradient(self, of: str, to: list[str], *, contacts: str = "locked") -> Floats:
-        """Derivatives of an observable with respect to parameters, by the adjoint.
+        """(p,) derivatives of an observable with respect to p parameters, by the adjoint, in its unit over theirs.
 
         ``of``: "energy", "contact_force", "twist", "writhe", "extension" or "seam_moment"; ``to``: "load", "link",
         "pressure", "bending", "twisting", "stretching", "shearing", "contact_radius", "length", "natural_curvature_1",
         … of the first rod, or "bending:name" of another. Gaps that carry force stay closed with "locked", which suits
-        hard contact; "law" is the derivative under a penalty.
+        hard contact; ``contacts="law"`` is the derivative under a penalty.
+
+        Raises :class:`InputError` for names that are not there, :class:`SolveError` for a state that is not at rest.
         """
         return np.array(self._native.gradient(of, to, contacts))
 
     def free_energy(self, thermal_energy: float, *, contacts: str = "free") -> float:
-        """The harmonic free energy [F·L] at a thermal energy kT [F·L].
+        """The harmonic free energy [F·L] at a ``thermal_energy`` kT [F·L].
 
-        Only differences between states of the same rods on the same mesh mean anything. "free" and "locked" contacts
-        are its two bounds.
+        Only differences between states of the same rods on the same mesh mean anything. ``contacts`` "free" and "locked"
+        are its two bounds. Raises :class:`SolveError` for an unstable state.
         """
         return self._native.free_energy(thermal_energy, contacts)
 
     def covariance(self, of: list[str], thermal_energy: float, *, contacts: str = "free") -> Floats:
-        """(n, n) covariances of observables, to leading order in kT."""
+        """(n, n) covariances of n observables ``of``, in the product of their units, to leading order in ``thermal_energy`` kT [F·L];
+        ``contacts`` as for :meth:`free_energy`. Raises :class:`InputError` for names that are not there.
+        """
         return np.array(self._native.covariance(of, thermal_energy, contacts))

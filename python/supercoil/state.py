@@ -51,7 +51,7 @@ class State:
 
     @cached_property
     def rod_names(self) -> list[str]:
-        """Names of the rods."""
+        """Names of the rods, in their order."""
         return [rod[0] for rod in self._native.rods()]
 
     @cached_property
@@ -77,7 +77,7 @@ class State:
 
     @cached_property
     def frames(self) -> Floats:
-        """(n, 3, 3) frames: ``frames[i, k]`` is d1, d2, d3 of node i for k = 0, 1, 2; d3 runs along the rod."""
+        """(n, 3, 3) frames of unit vectors: ``frames[i, k]`` is d1, d2, d3 of node i for k = 0, 1, 2; d3 runs along the rod."""
         w, x, y, z = self.quaternions.T
         d1 = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=-1)
         d2 = np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=-1)
@@ -141,8 +141,11 @@ class State:
         return list(self.observation["ends"])
 
     def end_moments(self, rod: str | None = None) -> dict[str, NDArray[Any]]:
-        """Moments [F·L], in the global axes, that the supports exert at the ends of an open rod: ``start``, ``end`` (3,);
-        zero at an end that is free to turn."""
+        """Moments [F·L], in the global axes, that the supports exert at the ends of an open ``rod`` (by default the only one):
+        ``start``, ``end`` (3,); zero at an end that is free to turn.
+
+        Raises :class:`InputError` for a rod that is not there.
+        """
         index = 0 if rod is None and len(self.rod_names) == 1 else self._rod_index(rod)
         first, end = self.node_ranges[index]
         moments = {"start": np.zeros(3), "end": np.zeros(3)}
@@ -206,7 +209,10 @@ class State:
         return list(self.observation["notes"])
 
     def save_picture(self, path: str | os.PathLike[str], width: int = 800, height: int = 600) -> None:
-        """Draws the rods as tubes, contact glowing, into a PNG file of so many pixels."""
+        """Draws the rods as tubes, contact glowing, into the PNG file ``path`` of ``width`` times ``height`` pixels.
+
+        Raises :class:`InputError` for a size that is too large, a file that cannot be written.
+        """
         self._native.save_picture(path, width, height)
 
     def _repr_png_(self) -> bytes:
@@ -226,7 +232,10 @@ class State:
         return f"<p>{html.escape(repr(self))}</p>{image}{self._energies_html()}"
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws the centrelines, axes to scale; returns the matplotlib axes. Needs matplotlib."""
+        """Draws the centrelines [L] into the matplotlib axes ``ax`` or new ones, to scale; returns them.
+
+        Raises :class:`ImportError` without matplotlib.
+        """
         if ax is None:
             import matplotlib.pyplot
 

@@ -221,7 +221,15 @@ def test_a_path_passes_the_branch_point_of_a_twisted_ring() -> None:
     assert path.points[-1].state.links[0]["excess_link"] == pytest.approx(1.3, rel=1e-12)
 
 
-def test_progress_prints_a_line_a_step(capsys: pytest.CaptureFixture[str]) -> None:
+def test_progress_is_tqdms_bar(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("tqdm")
+    result = ring(excess_link=0.5, steps=2).run(progress=True)
+    last = capsys.readouterr().err.split("\r")[-1]
+    assert last.startswith("100%") and "2.0/2" in last and f"energy {result.state.energies['total']:.6g}, 0 contact sites" in last
+
+
+def test_progress_without_tqdm_is_a_line_a_step(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
     result = ring(excess_link=0.5, steps=2).run(progress=True)
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == len(result.steps) and lines[-1].startswith("step 2: stage 1 at 100 %")

@@ -280,12 +280,3 @@ def test_ends_of_open_rods_have_moments() -> None:
     assert state.twist == pytest.approx(0.25) and state.link == pytest.approx(0.25) and state.ends[0]["rod"] == 0
     with pytest.raises(InputError, match="rod = 'none': must be one of 'rod'"):
         state.end_moments("none")
-
-
-def test_help_tells_shapes_units_and_errors() -> None:
-    for thing in (Rod, Stage, Scene.run, supercoil.Result.export, supercoil.State.end_moments):
-        text = inspect.getdoc(thing)
-        assert text and ("[" in text or "Raises" in text), thing
-    for name in supercoil.__all__:
-        thing = getattr(supercoil, name)
-        assert name == "__version__" or inspect.getdoc(thing), name

@@ -71,7 +71,7 @@ fn template(key: &Key) -> String {
                 ("helix", _) => "radius = 1.0, pitch = 1.0, turns = 2.0, ",
                 ("knot", "length" | "distance") => "name = \"3_1\", ",
                 ("knot", "component") => "braid = [1, 1, 1], length = 60.0, ",
-                ("knot", "name" | "braid") => "length = 60.0, ",
+                ("knot", "name" | "braid" | "pd") => "length = 60.0, ",
                 ("knot", _) => "name = \"3_1\", length = 60.0, ",
                 ("torus_knot", "length") => "windings = [2, 3], ",
                 ("torus_knot", _) => "length = 6.0, windings = [2, 3], ",
@@ -234,7 +234,7 @@ fn content(mut scene: Scene) -> String {
 /// Defaults in words.
 const DEFAULTS_IN_WORDS: [&str; 36] = [
     "0 if a stage ramps `load`, otherwise 1",
-    "needed without `braid`",
+    "needed without `braid` or `pd`",
     "from `dna`, or by `distance`",
     "none",
     "stays",

@@ -192,7 +192,7 @@ fn knots_are_given_by_name_or_braid() {
         let text = text.replace("CLOSED", if shape.contains("open") { "false" } else { "true" }).replace(", open", "");
         Scene::from_toml(&text.replace("900.0 ", "900.0, "), Path::new("")).map_err(|error| error.to_string())
     };
-    for shape in ["name = \"7_4\"", "braid = [1, 1, 2, -1, 2, 2, 3, -2, 3]"] {
+    for shape in ["name = \"7_4\"", "braid = [1, 1, 2, -1, 2, 2, 3, -2, 3]", "pd = [[1, 5, 2, 4], [3, 1, 4, 6], [5, 3, 6, 2]]"] {
         let rod = &read(&format!("{shape}, length = 100")).unwrap().model.rods[0];
         assert!((rod.length / 100.0 - 1.0).abs() < 1e-6, "{shape}: {}", rod.length);
     }
@@ -201,11 +201,12 @@ fn knots_are_given_by_name_or_braid() {
     assert!((pair[0].length / pair[1].length - 1.0).abs() < 1e-6, "{} {}", pair[0].length, pair[1].length);
     for (shape, reason) in [
         ("name = \"3_2\", length = 9", "shape.name = \"3_2\": must be a prime knot"),
-        ("length = 9", "shape: a knot is given by its name or by a braid"),
+        ("length = 9", "shape: a knot is given by its name, by a braid or by a PD code (pd), one"),
+        ("pd = [[1, 5, 2, 4], [3, 1, 4, 6]], length = 9", "shape.pd: has the edge 5 at 1 places"),
         ("name = \"3_1\"", "shape.length: missing"),
         ("name = \"3_1\", length = 9, distance = 1", "shape.distance: follows from the length"),
         ("name = \"3_1\", length = 9, open", "shape: a knot is closed: set closed = true"),
-        ("braid = [1, 1], length = 9", "closes to 2 curves: a link"),
+        ("braid = [1, 1], length = 9", "shape.component: missing: these are 2 curves, a link"),
     ] {
         let refused = read(shape).map(|_| ()).unwrap_err();
         assert!(refused.contains(reason), "{shape}: {refused}");

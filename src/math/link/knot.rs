@@ -10,6 +10,7 @@ pub(crate) mod closed_braid;
 mod diagram;
 mod jones;
 mod names;
+pub(crate) mod pd_code;
 pub(crate) mod table;
 
 use nalgebra::{Complex, DMatrix};

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::math::link::knot::{closed_braid::closed_braid, table};
+use crate::math::link::knot::{closed_braid::closed_braid, pd_code, table};
 use crate::rod::within;
 use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
 use crate::scene::{Import, read_points_with, smooth_points};
@@ -68,16 +68,20 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
 
 /// Points of a knot, scaled so that the curve through them has the length, or strands the distance, that is asked for.
 fn knot(text: &ShapeText, wound: &Wound) -> Result<Vec<Vec3>, InputError> {
-    let ShapeText::Knot { name, braid, component, length, distance, center } = text else {
+    let ShapeText::Knot { name, braid, pd, component, length, distance, center } = text else {
         return Err(InputError::inconsistent("shape", "is no knot"));
     };
     if !wound.closed {
         return Err(InputError::inconsistent("shape", "a knot is closed: set closed = true"));
     }
-    let word = match (name, braid) {
-        (Some(name), None) => table::named(name)?,
-        (None, Some(word)) => word.clone(),
-        _ => return Err(InputError::inconsistent("shape", "a knot is given by its name or by a braid, one of them")),
+    let word = match (name, braid, pd) {
+        (Some(name), None, None) => table::named(name)?,
+        (None, Some(word), None) => word.clone(),
+        (None, None, Some(code)) => pd_code::braid_of(&code.iter().map(|List(edges)| *edges).collect::<Vec<_>>())?,
+        _ => {
+            let reason = "a knot is given by its name, by a braid or by a PD code (pd), one of them";
+            return Err(InputError::inconsistent("shape", reason));
+        }
     };
     let points = closed_braid(&word, *component)?;
     let scale = match (length, distance) {

@@ -29,9 +29,8 @@ pub(crate) fn closed_braid(word: &[i32], component: Option<usize>) -> Result<Vec
     let chosen = match (component, components.len()) {
         (None, 1) => 0,
         (None, several) => {
-            let reason =
-                format!("closes to {several} curves: a link. Give each a rod, with component = 0 to {}", several - 1);
-            return Err(InputError::inconsistent("shape.braid", reason));
+            let reason = format!("missing: these are {several} curves, a link. Give each a rod, with component = 0 to {}", several - 1);
+            return Err(InputError::inconsistent("shape.component", reason));
         }
         (Some(chosen), count) if chosen < count => chosen,
         (Some(chosen), _) => {
@@ -122,7 +121,7 @@ mod tests {
             assert!((linking_number(&curves[0], &curves[1]) - link).abs() < 1e-9, "{word:?}");
         }
         let refused = closed_braid(&[1, 1], None).unwrap_err().to_string();
-        assert!(refused.starts_with("shape.braid: closes to 2 curves: a link."), "{refused}");
+        assert!(refused.starts_with("shape.component: missing: these are 2 curves, a link."), "{refused}");
         assert!(
             closed_braid(&[1, 1], Some(2)).unwrap_err().to_string().starts_with("shape.component = 2: must be less")
         );

@@ -188,15 +188,19 @@ pub(in super::super) enum ShapeText {
         #[schemars(extend("x-default" = "straight"))]
         axis: Option<Box<ShapeText>>,
     },
-    /// A knot by its name or its braid word, as a closed braid about an axis.
+    /// A knot by its name, its braid word or its PD code, as a closed braid about an axis.
     Knot {
         /// Prime knot in Rolfsen's numbering, with three to eight crossings.
-        #[schemars(extend("x-allowed" = "`3_1` to `8_21`", "x-default" = "needed without `braid`"))]
+        #[schemars(extend("x-allowed" = "`3_1` to `8_21`", "x-default" = "needed without `braid` or `pd`"))]
         name: Option<String>,
         /// Braid word, in place of `name`: ±k exchanges strands k and k + 1, right-handed where positive.
         #[schemars(extend("x-value" = "list such as [1, -2, 1, -2]", "x-allowed" = "whole numbers, not 0"))]
         braid: Option<Vec<i32>>,
-        /// Which curve, of a braid that closes to several: each is a rod, all with one `distance`.
+        /// Planar diagram code, in place of `name`: of each crossing its four edges counterclockwise, from the lower one that
+        /// comes in, as KnotInfo and SnapPy have it.
+        #[schemars(extend("x-value" = "list such as [[1, 5, 2, 4], [3, 1, 4, 6], [5, 3, 6, 2]]", "x-allowed" = "each edge twice; at most 1000 crossings"))]
+        pd: Option<Vec<List<i32, 4>>>,
+        /// Which curve, of a braid or a code of several: each is a rod, all with one `distance`.
         #[schemars(extend("minimum" = 0, "x-default" = "the only one"))]
         component: Option<usize>,
         /// Length of the rod.
