@@ -2,7 +2,7 @@
 
 from importlib.metadata import PackageNotFoundError, version
 
-from . import contact
+from . import contact, dna
 from ._sweep import SweepPlan, SweepResult, sweep
 from .errors import InputError, SolveError, SupercoilError
 from .scene import (
@@ -53,5 +53,6 @@ __all__ = [
     "SweepResult",
     "__version__",
     "contact",
+    "dna",
     "sweep",
 ]

@@ -533,19 +533,36 @@ class Result:
         """Meaning of each column of :attr:`table`."""
         return {name: meaning for name, _, meaning in self.scene._native.columns()}
 
-    def to_pandas(self) -> Any:
-        """The table as a ``pandas.DataFrame``, its units in ``frame.attrs["units"]``; needs pandas."""
+    def to_pandas(self, unit_names: bool = False) -> Any:
+        """The table as a ``pandas.DataFrame``, its units in ``frame.attrs["units"]``. ``unit_names``: columns are named
+        "writhe [turns]".
+
+        Raises :class:`ImportError` without pandas.
+        """
         import pandas
 
-        frame = pandas.DataFrame(self.table)
+        frame = pandas.DataFrame(self._named(unit_names))
         frame.attrs["units"] = self.units
         return frame
 
-    def to_polars(self) -> Any:
-        """The table as a ``polars.DataFrame``; needs polars. Units: :attr:`units`."""
+    def to_polars(self, unit_names: bool = False) -> Any:
+        """The table as a ``polars.DataFrame``, which has no place for units: :attr:`units`, or with ``unit_names`` columns named
+        "writhe [turns]".
+
+        Raises :class:`ImportError` without polars.
+        """
         import polars
 
-        return polars.DataFrame(dict(self.table))
+        return polars.DataFrame(self._named(unit_names))
+
+    def _named(self, unit_names: bool) -> dict[str, NDArray[Any]]:
+        """The table, its units in its names or not."""
+        return {self._label(name) if unit_names else name: column for name, column in self.table.items()}
+
+    def _label(self, column: str) -> str:
+        """A column with its unit."""
+        unit = self.units.get(column)
+        return f"{column} [{unit}]" if unit else column
 
     def export(
         self,
@@ -649,7 +666,7 @@ class Result:
 
         Raises :class:`InputError` for columns that are not there.
         """
-        names, table, units = [y] if isinstance(y, str) else list(y), self.table, self.units
+        names, table = [y] if isinstance(y, str) else list(y), self.table
         for name in (x, *names):
             if name not in table:
                 raise InputError(f"plot: there is no column {name!r}; there are {', '.join(table)}")
@@ -661,12 +678,8 @@ class Result:
             ax.plot(table[x], table[name], marker=".", label=name)
         if len(names) > 1:
             ax.legend()
-
-        def label(name: str) -> str:
-            return f"{name} [{units[name]}]" if units.get(name) else name
-
-        ax.set_xlabel(label(x))
-        ax.set_ylabel(label(names[0]) if len(names) == 1 else units.get(names[0], ""))
+        ax.set_xlabel(self._label(x))
+        ax.set_ylabel(self._label(names[0]) if len(names) == 1 else self.units.get(names[0], ""))
         return ax
 
     def _repr_png_(self) -> bytes:

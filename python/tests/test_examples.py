@@ -24,5 +24,12 @@ def test_example(
     assert words in capsys.readouterr().out
 
 
+def test_a_tight_knot_is_near_its_published_length() -> None:
+    pytest.importorskip("database_knotinfo")
+    example = runpy.run_path(str(EXAMPLES / "ideal_knots.py"))
+    ((name, found, published, _),) = example["rows"](["3_1"])
+    assert name == "3_1" and 1.0 < found / published < 1.015
+
+
 def test_every_example_is_run() -> None:
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == {"minicircle", "own_curves", "loop_by_hand"}
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == {"minicircle", "own_curves", "loop_by_hand", "ideal_knots"}

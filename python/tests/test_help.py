@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import supercoil
-from supercoil import contact
+from supercoil import contact, dna
 
 #: Shape of an array as texts have it: (n, 3), (c,).
 SHAPE = re.compile(r"\((?:[a-z]|\d+),(?: (?:[a-z]|\d+)(?:, (?:[a-z]|\d+))*)?\)")
@@ -19,8 +19,9 @@ UNIT = re.compile(r"\[(?:1|[LFT]|nm|pN|rad|turns?|K|s\b|Å|a unit|column)|\bturn
 
 def public() -> Iterator[tuple[str, Any]]:
     """Every public thing with its name: classes with their methods and properties, functions."""
-    names = [(name, getattr(supercoil, name)) for name in supercoil.__all__ if name not in ("__version__", "contact")]
+    names = [(name, getattr(supercoil, name)) for name in supercoil.__all__ if name not in ("__version__", "contact", "dna")]
     names += [(f"contact.{name}", getattr(contact, name)) for name in contact.__all__]
+    names += [(f"dna.{name}", getattr(dna, name)) for name in dna.__all__]
     for name, thing in names:
         yield name, thing
         for member in vars(thing) if inspect.isclass(thing) else ():

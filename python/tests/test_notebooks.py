@@ -9,13 +9,15 @@ NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
 
 def test_all_are_there() -> None:
     names = {path.stem for path in NOTEBOOKS}
-    assert names == {"minicircle", "tweezers_curve", "loop_between_poses", "own_curves", "sweep"}
+    assert names == {"minicircle", "tweezers_curve", "loop_between_poses", "own_curves", "sweep", "atoms"}
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebook(path: Path) -> None:
     nbformat = pytest.importorskip("nbformat")
     nbclient = pytest.importorskip("nbclient")
+    if path.stem == "atoms":
+        pytest.importorskip("mdna")
     notebook = nbformat.read(path, as_version=4)
     client = nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(path.parent)}})
     client.execute()

@@ -73,7 +73,7 @@ def rotation(axis: Any, degrees: float) -> Any:
     """The rotation about a unit axis (Rodrigues)."""
     cross = np.cross(np.eye(3), axis)
     angle = np.radians(degrees)
-    return np.eye(3) - np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
 
 
 def test_steps_of_the_par_file_close_the_ring(folder: Path) -> None:

@@ -293,6 +293,8 @@ def test_steps_have_names_and_columns_units(result: Result) -> None:
     assert frame.attrs["units"]["writhe"] == "turns"
     polars = pytest.importorskip("polars")
     assert isinstance(result.to_polars(), polars.DataFrame)
+    for named in (result.to_pandas(unit_names=True), result.to_polars(unit_names=True)):
+        assert list(named["writhe [turns]"]) == list(result.table["writhe"]) and "status" in named.columns
 
 
 def test_results_become_files(tmp_path: Path) -> None:

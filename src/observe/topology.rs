@@ -86,7 +86,9 @@ fn changes(progress: &Progress, links: &[RodLink], linking: &[Linking], knots: &
         let Some((_, determinant, at_third, name)) = start.knots.iter().find(|(rod, ..)| *rod == of.rod) else {
             continue;
         };
-        let same = mirrors_alike(name) == mirrors_alike(&of.name) && *determinant == of.determinant && *at_third == of.at_third;
+        let same = mirrors_alike(name) == mirrors_alike(&of.name)
+            && *determinant == of.determinant
+            && *at_third == of.at_third;
         let (rod, open) = (&rods[of.rod].name, !rods[of.rod].closed);
         let how = if open { "a strand has passed over an end" } else { through };
         let text = format!("the knot of rod \"{rod}\" is {}, not {name} as given: {how}", of.name);

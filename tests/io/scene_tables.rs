@@ -192,7 +192,9 @@ fn knots_are_given_by_name_or_braid() {
         let text = text.replace("CLOSED", if shape.contains("open") { "false" } else { "true" }).replace(", open", "");
         Scene::from_toml(&text.replace("900.0 ", "900.0, "), Path::new("")).map_err(|error| error.to_string())
     };
-    for shape in ["name = \"7_4\"", "braid = [1, 1, 2, -1, 2, 2, 3, -2, 3]", "pd = [[1, 5, 2, 4], [3, 1, 4, 6], [5, 3, 6, 2]]"] {
+    for shape in
+        ["name = \"7_4\"", "braid = [1, 1, 2, -1, 2, 2, 3, -2, 3]", "pd = [[1, 5, 2, 4], [3, 1, 4, 6], [5, 3, 6, 2]]"]
+    {
         let rod = &read(&format!("{shape}, length = 100")).unwrap().model.rods[0];
         assert!((rod.length / 100.0 - 1.0).abs() < 1e-6, "{shape}: {}", rod.length);
     }

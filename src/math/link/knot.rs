@@ -154,9 +154,14 @@ mod tests {
     #[test]
     fn knots_have_their_names() {
         let named = |points: &[Vec3]| knot_type(points).unwrap().name;
-        for (p, q, name) in
-            [(2.0, 3.0, "3_1*"), (3.0, 2.0, "3_1*"), (2.0, -3.0, "3_1"), (2.0, 5.0, "5_1*"), (2.0, -7.0, "7_1"), (3.0, -4.0, "8_19")]
-        {
+        for (p, q, name) in [
+            (2.0, 3.0, "3_1*"),
+            (3.0, 2.0, "3_1*"),
+            (2.0, -3.0, "3_1"),
+            (2.0, 5.0, "5_1*"),
+            (2.0, -7.0, "7_1"),
+            (3.0, -4.0, "8_19"),
+        ] {
             assert_eq!(named(&torus_knot(p, q)), name, "{p} {q}");
         }
         assert_eq!(named(&torus_knot(1.0, 17.0)), "0_1");

@@ -29,7 +29,10 @@ pub(crate) fn closed_braid(word: &[i32], component: Option<usize>) -> Result<Vec
     let chosen = match (component, components.len()) {
         (None, 1) => 0,
         (None, several) => {
-            let reason = format!("missing: these are {several} curves, a link. Give each a rod, with component = 0 to {}", several - 1);
+            let reason = format!(
+                "missing: these are {several} curves, a link. Give each a rod, with component = 0 to {}",
+                several - 1
+            );
             return Err(InputError::inconsistent("shape.component", reason));
         }
         (Some(chosen), count) if chosen < count => chosen,
@@ -96,8 +99,8 @@ fn components(word: &[i32], strands: usize) -> Vec<Vec<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use super::super::table::KNOTS;
+    use super::*;
     use crate::math::link::linking_number;
 
     /// Strands stay a distance apart, also where they cross.

@@ -32,10 +32,8 @@ pub(super) fn reduced(mut crossings: Vec<Crossing>) -> Vec<Crossing> {
             let ((a, above), (b, above_too)) = (passes[place], passes[(place + 1) % count]);
             // two strands that cross twice in a row, the same one above, in opposite senses: nothing is between them
             let is_neighbour = |i: usize, j: usize| (i + 1) % count == j || (j + 1) % count == i;
-            let lies_over = above
-                && above_too
-                && crossings[a].sign != crossings[b].sign
-                && is_neighbour(lower[a], lower[b]);
+            let lies_over =
+                above && above_too && crossings[a].sign != crossings[b].sign && is_neighbour(lower[a], lower[b]);
             if (a == b || lies_over) && stays[a] && stays[b] {
                 (stays[a], stays[b]) = (false, false);
             }

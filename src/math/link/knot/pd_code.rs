@@ -160,14 +160,8 @@ impl Diagram {
         // the lower strand comes in at 0 and goes out at 2, the upper one goes up at p and down at q, or the other way round
         let (near, far) = if along { (3, 1) } else { (1, 3) };
         self.leaves.extend([false, far == 1, true, far == 3, false, near == 1, true, near == 3]);
-        let joined = [
-            (from, p + near),
-            (p + far, q + far),
-            (q + near, to),
-            (below_from, q),
-            (q + 2, p),
-            (p + 2, below_to),
-        ];
+        let joined =
+            [(from, p + near), (p + far, q + far), (q + near, to), (below_from, q), (q + 2, p), (p + 2, below_to)];
         for (a, b) in joined {
             (self.mate[a], self.mate[b]) = (b, a);
         }
@@ -191,7 +185,8 @@ impl Diagram {
         let mut face_of = vec![0; self.mate.len()];
         faces.iter().enumerate().for_each(|(k, face)| face.iter().for_each(|&dart| face_of[dart] = k));
         // edges that the line cuts, from circle to circle
-        let begin = (0..self.mate.len()).find(|&dart| self.leaves[dart] && circles[dart] == inmost).ok_or_else(broken)?;
+        let begin =
+            (0..self.mate.len()).find(|&dart| self.leaves[dart] && circles[dart] == inmost).ok_or_else(broken)?;
         let mut cut = vec![begin];
         let mut place = vec![usize::MAX; count];
         place[inmost] = 0;
@@ -261,7 +256,9 @@ fn directions(code: &[[i32; 4]], mate: &[usize]) -> Result<Vec<bool>, InputError
     match (0..mate.len()).find(|&dart| leaves[dart] == leaves[mate[dart]]) {
         Some(dart) => {
             let edge = code.as_flattened()[dart];
-            Err(refused(format!("gives the edge {edge} two directions: list each crossing from its lower incoming edge")))
+            Err(refused(format!(
+                "gives the edge {edge} two directions: list each crossing from its lower incoming edge"
+            )))
         }
         None => Ok(leaves),
     }
@@ -279,10 +276,7 @@ mod tests {
         let codes: [(&str, &[[i32; 4]]); 6] = [
             ("3_1", &[[1, 5, 2, 4], [3, 1, 4, 6], [5, 3, 6, 2]]),
             ("4_1", &[[4, 2, 5, 1], [8, 6, 1, 5], [6, 3, 7, 4], [2, 7, 3, 8]]),
-            (
-                "6_1",
-                &[[1, 7, 2, 6], [3, 10, 4, 11], [5, 3, 6, 2], [7, 1, 8, 12], [9, 4, 10, 5], [11, 9, 12, 8]],
-            ),
+            ("6_1", &[[1, 7, 2, 6], [3, 10, 4, 11], [5, 3, 6, 2], [7, 1, 8, 12], [9, 4, 10, 5], [11, 9, 12, 8]]),
             (
                 "7_4",
                 &[

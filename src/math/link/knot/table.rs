@@ -52,8 +52,9 @@ pub(crate) fn named(name: &str) -> Result<Vec<i32>, InputError> {
     found.map(|(_, word)| word.to_vec()).ok_or_else(|| InputError::Name {
         field: "shape.name".to_owned(),
         name: name.to_owned(),
-        allowed: "a prime knot of three to eight crossings in Rolfsen's numbering, as \"7_4\" (or give a braid or a PD code)"
-            .to_owned(),
+        allowed:
+            "a prime knot of three to eight crossings in Rolfsen's numbering, as \"7_4\" (or give a braid or a PD code)"
+                .to_owned(),
     })
 }
 
