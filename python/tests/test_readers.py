@@ -61,7 +61,7 @@ def test_biopython_and_mdanalysis_read_both_strands(folder: Path) -> None:
     names = ["".join(residue.get_resname().strip()[1:] for residue in chain) for chain in model]
     assert names == [BASES, "".join(COMPLEMENT[base] for base in reversed(BASES))]
     numbers = [residue.id[1] for chain in model for residue in chain]
-    assert numbers == [*range(1, PAIRS + 1)] * 2
+    assert numbers == [*range(1, 2 * PAIRS + 1)]
     atoms = analysis.Universe(str(folder / "m.pdb")).select_atoms("name P")
     assert len(atoms) == len(atoms.select_atoms("nucleic")) == 2 * PAIRS
     apart = np.linalg.norm(atoms.positions[:PAIRS] - atoms.positions[PAIRS:][::-1], axis=1)
