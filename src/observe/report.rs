@@ -266,8 +266,8 @@ pub struct Linking {
 pub struct Knot {
     /// Rod index.
     pub rod: usize,
-    /// Name of the simplest knot with its Alexander and Jones polynomials, as "3_1": up to eight crossings, "other" beyond. A star
-    /// marks the mirror image of the knot of that name.
+    /// Name of the simplest knot with its Alexander and Jones polynomials, as "3_1": up to eight crossings, "other"
+    /// beyond. A star marks the mirror image of the knot of that name.
     pub name: String,
     /// |Δ(−1)| of the Alexander polynomial Δ, the knot's determinant; 1 where it is not knotted.
     pub determinant: f64,

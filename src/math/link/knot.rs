@@ -57,8 +57,8 @@ struct Invariants {
 
 /// The knot of a closed polygon; `None` as for [`alexander`].
 ///
-/// The name is by the Alexander polynomial alone where no projection is narrow enough for the Jones polynomial: tangles of hundreds
-/// of crossings. Mirror images then have one name, without a star.
+/// The name is by the Alexander polynomial alone where no projection is narrow enough for the Jones polynomial: tangles
+/// of hundreds of crossings. Mirror images then have one name, without a star.
 ///
 /// ```
 /// use supercoil::math::{Vec3, link::knot_type};
@@ -79,7 +79,8 @@ fn invariants(points: &[Vec3]) -> Option<Invariants> {
 }
 
 /// Values of the Alexander polynomial of a closed polygon; `None` for coordinates that are not finite, for one that no
-/// viewing direction shows clearly, and for pictures of more than 400 crossings. Time grows with the edges and with the cube of the crossings.
+/// viewing direction shows clearly, and for pictures of more than 400 crossings. Time grows with the edges and with the
+/// cube of the crossings.
 ///
 /// ```
 /// use supercoil::math::{Vec3, link::alexander};
@@ -175,8 +176,8 @@ mod tests {
         assert!(knot_type(&[Vec3::new(f64::NAN, 0.0, 0.0); 5]).is_none());
     }
 
-    /// Braids of the table, their mirror images, and sums of knots as one braid: 3_1 # 4_1 has the Alexander polynomial of 8_21,
-    /// the square knot that of 8_20.
+    /// Braids of the table, their mirror images, and sums of knots as one braid: 3_1 # 4_1 has the Alexander polynomial
+    /// of 8_21, the square knot that of 8_20.
     #[test]
     fn braids_have_the_names_of_their_knots() {
         let named = |word: &[i32]| knot_type(&closed_braid::closed_braid(word, None).unwrap()).unwrap().name;
@@ -198,7 +199,8 @@ mod tests {
         }
     }
 
-    /// Moves that change nothing but the picture, by turning a knot: the same name from many sides, and after crumpling.
+    /// Moves that change nothing but the picture, by turning a knot: the same name from many sides, and after
+    /// crumpling.
     #[test]
     fn names_do_not_depend_on_the_view() {
         let mut random = Random(5);

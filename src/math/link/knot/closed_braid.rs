@@ -7,13 +7,14 @@ use crate::math::Vec3;
 
 /// Points on a strand from one crossing to the next.
 const POINTS: usize = 16;
-/// Way from one crossing to the next along the middle of the braid, in distances of strands: at twice the distance strands
-/// cross at about half a right angle.
+/// Way from one crossing to the next along the middle of the braid, in distances of strands: at twice the distance
+/// strands cross at about half a right angle.
 const PITCH: f64 = 2.5;
 /// Smallest radius of the inmost strand, in distances of strands: it bends gently, and leaves the middle free.
 const INMOST: f64 = 2.0;
 
-/// A component of the closed braid of a word, around the z-axis; neighbouring strands are 1 apart, as crossing ones are.
+/// A component of the closed braid of a word, around the z-axis; neighbouring strands are 1 apart, as crossing ones
+/// are.
 ///
 /// # Errors
 /// [`InputError::Inconsistent`] for an empty word or a letter 0; several components and none chosen;
@@ -67,8 +68,9 @@ pub(crate) fn closed_braid(word: &[i32], component: Option<usize>) -> Result<Vec
 const MOST_LETTERS: usize = 1000;
 const MOST_STRANDS: u32 = 100;
 
-/// Where a letter takes a strand, and whether the strand goes over (1), under (−1) or straight on (0) there. With the braid
-/// counterclockwise about z and places outward, a crossing is right-handed where the strand that goes outward is above.
+/// Where a letter takes a strand, and whether the strand goes over (1), under (−1) or straight on (0) there. With the
+/// braid counterclockwise about z and places outward, a crossing is right-handed where the strand that goes outward is
+/// above.
 fn exchange(place: usize, letter: i32) -> (usize, f64) {
     let (inner, sign) = (letter.unsigned_abs() as usize - 1, f64::from(letter.signum()));
     match place {

@@ -19,8 +19,8 @@ fn passes(crossings: &[Crossing]) -> Vec<(usize, bool)> {
     all.into_iter().map(|(_, k, above)| (k, above)).collect()
 }
 
-/// The diagram without kinks (Reidemeister's first move) and without strands that lie over others (his second): what is left
-/// when neither applies.
+/// The diagram without kinks (Reidemeister's first move) and without strands that lie over others (his second): what is
+/// left when neither applies.
 pub(super) fn reduced(mut crossings: Vec<Crossing>) -> Vec<Crossing> {
     loop {
         let passes = passes(&crossings);

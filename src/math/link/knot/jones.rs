@@ -1,9 +1,11 @@
-//! The Jones polynomial of a diagram at a number of a finite field, by Kauffman's bracket (Kauffman 1987, Topology 26:395).
+//! The Jones polynomial of a diagram at a number of a finite field, by Kauffman's bracket (Kauffman 1987, Topology
+//! 26:395).
 //!
-//! `V = (−A³)^(−w) ⟨D⟩` with the writhe w of the diagram; ⟨ ⟩ resolves each crossing into `A ⟨)(⟩ + A⁻¹ ⟨≍⟩`, a closed curve
-//! counts `−A² − A⁻²`, and t = A⁻⁴. The crossings are resolved one by one: what is kept are the ways in which the ends of the part
-//! that is done are joined, so time grows with the width of the diagram, not with 2 to the number of crossings. Two
-//! polynomials of degree n over 𝔽ₚ have the same value at a number that knows nothing of them with a probability below n/p.
+//! `V = (−A³)^(−w) ⟨D⟩` with the writhe w of the diagram; ⟨ ⟩ resolves each crossing into `A ⟨)(⟩ + A⁻¹ ⟨≍⟩`, a closed
+//! curve counts `−A² − A⁻²`, and t = A⁻⁴. The crossings are resolved one by one: what is kept are the ways in which the
+//! ends of the part that is done are joined, so time grows with the width of the diagram, not with 2 to the number of
+//! crossings. Two polynomials of degree n over 𝔽ₚ have the same value at a number that knows nothing of them with a
+//! probability below n/p.
 
 use std::collections::BTreeMap;
 

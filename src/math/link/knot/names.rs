@@ -1,7 +1,7 @@
 //! Names of knots: those with the same Alexander and Jones polynomials as a knot of the table.
 //!
-//! All prime knots of up to eight crossings and their composites differ in one of the two. Nothing is tabulated but braid
-//! words: the polynomials of the named knots are computed as those of any curve.
+//! All prime knots of up to eight crossings and their composites differ in one of the two. Nothing is tabulated but
+//! braid words: the polynomials of the named knots are computed as those of any curve.
 
 use std::sync::OnceLock;
 

@@ -1,11 +1,11 @@
 //! From a PD code to a braid, by Vogel's algorithm (Vogel 1990, Comment. Math. Helv. 65:104).
 //!
-//! Smoothed along their directions, the crossings of a diagram leave circles. While two of them run along one face on the same
-//! side, an edge of one is laid over an edge of the other across that face. Then the circles are nested on the sphere, all in
-//! one direction: a closed braid, each circle a strand.
+//! Smoothed along their directions, the crossings of a diagram leave circles. While two of them run along one face on
+//! the same side, an edge of one is laid over an edge of the other across that face. Then the circles are nested on the
+//! sphere, all in one direction: a closed braid, each circle a strand.
 //!
-//! A dart is an end of an edge at a crossing. Crossing c has the darts 4c to 4c + 3, counterclockwise, as the code has them: the
-//! lower strand comes in at 4c and goes out at 4c + 2.
+//! A dart is an end of an edge at a crossing. Crossing c has the darts 4c to 4c + 3, counterclockwise, as the code has
+//! them: the lower strand comes in at 4c and goes out at 4c + 2.
 
 use std::collections::BTreeMap;
 
@@ -25,8 +25,8 @@ struct Diagram {
 /// The braid word of a PD code: of each crossing its four edges counterclockwise, from the lower one that comes in.
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] for a code in which an edge does not occur twice, in which directions contradict each other, that is no
-/// picture on the plane, or that falls apart.
+/// [`InputError::Inconsistent`] for a code in which an edge does not occur twice, in which directions contradict each
+/// other, that is no picture on the plane, or that falls apart.
 pub(crate) fn braid_of(code: &[[i32; 4]]) -> Result<Vec<i32>, InputError> {
     let mut diagram = Diagram::read(code)?;
     let mut circles = diagram.circles();
@@ -142,7 +142,8 @@ impl Diagram {
         })
     }
 
-    /// Lays one edge over another across the face on the left of both darts: two crossings more (Reidemeister's second move).
+    /// Lays one edge over another across the face on the left of both darts: two crossings more (Reidemeister's second
+    /// move).
     ///
     /// ```text
     ///               p ┌───────┐ q
@@ -157,7 +158,8 @@ impl Diagram {
         let begin = |of: &Self, dart: usize| if along { [dart, of.mate[dart]] } else { [of.mate[dart], dart] };
         let ([from, to], [below_from, below_to]) = (begin(self, over), begin(self, under));
         self.mate.extend([0; 8]);
-        // the lower strand comes in at 0 and goes out at 2, the upper one goes up at p and down at q, or the other way round
+        // the lower strand comes in at 0 and goes out at 2, the upper one goes up at p and down at q, or the other way
+        // round
         let (near, far) = if along { (3, 1) } else { (1, 3) };
         self.leaves.extend([false, far == 1, true, far == 3, false, near == 1, true, near == 3]);
         let joined =
@@ -232,8 +234,8 @@ fn turned(dart: usize, places: usize) -> usize {
     dart / 4 * 4 + (dart + places) % 4
 }
 
-/// Whether strands leave at each dart. Lower strands have their directions by the code; upper ones follow from those that they go on
-/// in, or, of a curve that is above everywhere, from the numbers of its edges, which rise by one.
+/// Whether strands leave at each dart. Lower strands have their directions by the code; upper ones follow from those
+/// that they go on in, or, of a curve that is above everywhere, from the numbers of its edges, which rise by one.
 fn directions(code: &[[i32; 4]], mate: &[usize]) -> Result<Vec<bool>, InputError> {
     let mut leaves: Vec<Option<bool>> = [Some(false), None, Some(true), None].repeat(code.len());
     let mut left: Vec<usize> = (0..code.len()).collect();

@@ -1,6 +1,6 @@
-//! Braid words of the prime knots of up to eight crossings, in Rolfsen's numbering, as tables of knots have them (Jones 1987,
-//! Ann. Math. 126:335; KnotInfo). A letter ±k exchanges strands k and k + 1; positive letters are right-handed crossings. Which of
-//! two mirror images a name means is not agreed upon: these are those of the words here.
+//! Braid words of the prime knots of up to eight crossings, in Rolfsen's numbering, as tables of knots have them (Jones
+//! 1987, Ann. Math. 126:335; KnotInfo). A letter ±k exchanges strands k and k + 1; positive letters are right-handed
+//! crossings. Which of two mirror images a name means is not agreed upon: these are those of the words here.
 
 use crate::error::InputError;
 
