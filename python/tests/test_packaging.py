@@ -1,5 +1,7 @@
 """Files that build packages elsewhere: they are read, name what is here, and agree with the package."""
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +30,25 @@ def test_workflows_are_valid(name: str) -> None:
             assert "@" in step.get("uses", "@"), step
             folder = step.get("working-directory") or step.get("with", {}).get("working-directory")
             assert folder is None or (ROOT / folder).is_dir()
+
+
+@pytest.mark.parametrize("name", ["tests", "wheels", "docs"])
+def test_workflows_follow_the_schema(name: str) -> None:
+    """The schema of GitHub's workflows, as check-jsonschema brings it along."""
+    pytest.importorskip("check_jsonschema")
+    command = [sys.executable, "-m", "check_jsonschema", "--builtin-schema", "vendor.github-workflows"]
+    done = subprocess.run([*command, ROOT / f".github/workflows/{name}.yml"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_rattler_build_reads_the_recipe() -> None:
+    """The program with which conda-forge builds; it resolves what depends on platform and Python."""
+    rattler = pytest.importorskip("rattler_build")
+    recipe = rattler.Stage0Recipe.from_file(str(ROOT / "python/conda/recipe.yaml"))
+    # what conda-forge's own configuration says
+    pinned = {"is_abi3": ["true"], "python": ["3.10.*"], "c_stdlib": ["sysroot"], "c_stdlib_version": ["2.28"]}
+    (rendered,) = recipe.render(rattler.VariantConfig(pinned))
+    assert rendered.recipe.package.name == "supercoil"
 
 
 def test_the_recipe_agrees_with_the_package() -> None:
