@@ -10,8 +10,9 @@ import io
 import json
 import operator
 import os
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from typing import Any
 
@@ -38,12 +39,30 @@ def ramp_keys() -> frozenset[str]:
     return frozenset(schema()["$defs"]["RampText"]["properties"])
 
 
+@dataclass(frozen=True)
+class Given:
+    """An array that was given as an argument of its own, not at the key that takes it."""
+
+    argument: str
+    array: np.ndarray[Any, Any]
+
+
 class Inputs:
     """Plain values for TOML, and the files that stand for arrays in them."""
 
     def __init__(self) -> None:
         #: Contents by name.
         self.files: dict[str, bytes] = {}
+        #: The argument that each file stands for.
+        self.arguments: dict[str, str] = {}
+
+    def in_arguments(self, said: str) -> str:
+        """An error about a file that stands for an argument, as one about the argument: rows for lines below the head."""
+        for file, argument in self.arguments.items():
+            said = re.sub(rf"{re.escape(file)}: line 1: ", f"{argument}: ", said)
+            said = re.sub(rf"{re.escape(file)}: line (\d+)", lambda line: f"{argument}: row {int(line[1]) - 2}", said)
+            said = said.replace(file, argument)
+        return said
 
     def plain(self, value: Any, where: str = "") -> Any:
         """The value as TOML knows it; keys that are None are left out, arrays where a file is taken become one."""
@@ -65,6 +84,8 @@ class Inputs:
         return value
 
     def _entry(self, key: str, value: Any, where: str) -> Any:
+        if isinstance(value, Given):
+            return self._array(value.array, f"{where.rsplit('.', 2)[0]}.{value.argument}")
         if key in _FILES and isinstance(value, np.ndarray):
             return self._array(value, where)
         if key in _FILES and (isinstance(value, Mapping) or hasattr(value, "columns")):
@@ -108,7 +129,7 @@ class Inputs:
     def _file(self, where: str, ending: str, content: bytes) -> str:
         stem = "".join(letter if letter.isalnum() else "_" for letter in where)
         name = f"{stem.strip('_')}.{ending}"
-        self.files[name] = content
+        self.files[name], self.arguments[name] = content, where
         return name
 
 

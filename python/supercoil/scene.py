@@ -20,7 +20,7 @@ import tomli_w
 from numpy.typing import ArrayLike, NDArray
 
 from . import _supercoil
-from ._inputs import Inputs, Table, check, ramp_keys, schema
+from ._inputs import Given, Inputs, Table, check, ramp_keys, schema
 from .errors import InputError
 from .state import Floats, State
 
@@ -84,7 +84,7 @@ class Rod:
             found = [*arrays, *(["shape"] if self.shape is not None else [])]
             raise InputError(f"Rod: needs exactly one of shape, points, frames, found {', '.join(found) or 'none'}")
         for kind, array in arrays.items():
-            table["shape"] = {"kind": kind, "file": array}
+            table["shape"] = {"kind": kind, "file": Given(kind, array)}
         if isinstance(self.sequence, str):
             table["sequence"] = {"letters": self.sequence, "steps": "protein-dna-1998"}
         return table
@@ -257,7 +257,10 @@ class Scene:
         inputs = Inputs()
         plain = inputs.plain(scene)
         check(plain, schema(), "")
-        self._read(tomli_w.dumps(plain), Path(), inputs.files)
+        try:
+            self._read(tomli_w.dumps(plain), Path(), inputs.files)
+        except InputError as error:
+            raise InputError(inputs.in_arguments(str(error))) from None
 
     def _read(self, text: str, base_dir: Path, files: dict[str, bytes] | None = None) -> None:
         self._text, self._base_dir, self._files = text, base_dir, files or {}

@@ -4,6 +4,7 @@ import dataclasses
 import inspect
 import pickle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -82,8 +83,8 @@ def test_minicircle_has_the_numbers_of_dna() -> None:
         (lambda: Scene(Rod(shape=LINE, section=SECTION, order=7)), r"rods\[0\].order = 7: must be at least 1 and at most 3"),
         (lambda: Scene(Rod(shape={"kind": "lime"})), r"rods\[0\].shape.kind = 'lime': must be one of 'line'"),
         (lambda: Scene(Rod(section=SECTION)), "Rod: needs exactly one of shape, points, frames, found none"),
-        (lambda: Scene(Rod(points=np.zeros((5, 2)), section=SECTION)), r"shape.file: has shape \(5, 2\)"),
-        (lambda: Scene(Rod(points=np.array([[0, 0, 0], [1, np.nan, 0]]), section=SECTION)), r"shape.file\[1, 1\] = nan"),
+        (lambda: Scene(Rod(points=np.zeros((5, 2)), section=SECTION)), r"points: has shape \(5, 2\)"),
+        (lambda: Scene(Rod(points=np.array([[0, 0, 0], [1, np.nan, 0]]), section=SECTION)), r"points\[1, 1\] = nan"),
         (lambda: cantilever(fidelity="best"), "fidelity = 'best': must be one of 'draft', 'balanced', 'reference'"),
         (lambda: cantilever(temperature=-3.0), "temperature = -3.0: must be greater than 0 K"),
         (lambda: Scene(Rod(shape=LINE, section=SECTION), supports=[Support(at="middle")]), r"supports\[0\].at = 'middle'"),
@@ -257,6 +258,20 @@ def test_arrays_stand_for_files(tmp_path: Path) -> None:
         result.export(par=tmp_path / "own.par")
         rows = [[float(cell) for cell in line.split()[1:]] for line in (tmp_path / "own.par").read_text().splitlines()[3:]]
         assert np.array(rows)[1:, 10] == pytest.approx(np.linspace(0, 6, 7), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ({"points": [[0, 0, 0], [0, np.nan, 1]]}, r"^rods\[0\]\.points\[1, 1\] = nan: must be finite"),
+        ({"frames": np.zeros((4, 3, 3))}, r"^rods\[0\]\.frames: has shape \(4, 3, 3\): must be"),
+        ({"shape": LINE, "natural": {"table": {"s": [0, 1], "kappa9": [1, 2]}}}, r"^rods\[0\]\.natural\.table: unknown column"),
+        ({"shape": LINE, "natural": {"table": {"s": [0, 1], "kappa1": ["a", 2]}}}, r"^rods\[0\]\.natural\.table: row 0, column kappa1: .*\"a\""),
+    ],
+)
+def test_errors_name_the_argument_of_an_array(arguments: dict[str, Any], text: str) -> None:
+    with pytest.raises(InputError, match=text):
+        Scene(Rod(section=SECTION, elements=8, **arguments))
 
 
 def test_a_sequence_may_be_a_string() -> None:
