@@ -328,6 +328,25 @@ def test_results_become_files(tmp_path: Path) -> None:
         ring(0.5, 1).run().export(par=tmp_path / "x.par")
 
 
+def test_links_are_several_rods() -> None:
+    """Whitehead's link by its braid, a Hopf link by its PD code: linked 0 times and once, at rest and without a knot."""
+    for shape, link in [({"braid": [1, -2, 1, -2, -2]}, 0), ({"pd": [[1, 3, 2, 4], [3, 1, 4, 2]]}, 1)]:
+        rods = [
+            Rod(
+                name=name,
+                closed=True,
+                shape={"kind": "knot", **shape, "component": k, "distance": 0.2},
+                section=SECTION,
+                elements=24,
+            )
+            for k, name in enumerate("ab")
+        ]
+        result = Scene(rods).run()
+        table = result.table
+        assert result.converged and table["linking_a_b"][-1] == link
+        assert table["a_knot"][-1] == table["b_knot"][-1] == "0_1"
+
+
 def test_results_have_a_page(result: Result, tmp_path: Path) -> None:
     file = result.view(tmp_path / "ring.html", open_browser=False)
     assert file.read_text().lstrip().lower().startswith("<!doctype html>")
