@@ -95,14 +95,15 @@ impl Diagram {
     /// Number of the circle of each edge, at the dart where it begins; other darts have that of their edge, too.
     fn circles(&self) -> Vec<usize> {
         let mut circles = vec![usize::MAX; self.mate.len()];
+        let begins = (0..self.mate.len()).filter(|&dart| self.leaves[dart]);
         let mut count = 0;
-        for first in (0..self.mate.len()).filter(|&dart| self.leaves[dart]) {
+        for first in begins {
             let mut at = first;
             while circles[at] == usize::MAX {
                 (circles[at], circles[self.mate[at]]) = (count, count);
                 at = self.onward(self.mate[at]);
             }
-            count = circles.iter().filter(|circle| **circle != usize::MAX).max().map_or(0, |most| most + 1);
+            count += usize::from(circles[first] == count);
         }
         circles
     }
