@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -330,7 +331,8 @@ def test_results_become_files(tmp_path: Path) -> None:
 
 def test_links_are_several_rods() -> None:
     """Whitehead's link by its braid, a Hopf link by its PD code: linked 0 times and once, at rest and without a knot."""
-    for shape, link in [({"braid": [1, -2, 1, -2, -2]}, 0), ({"pd": [[1, 3, 2, 4], [3, 1, 4, 2]]}, 1)]:
+    braid: tuple[dict[str, Any], int] = ({"braid": [1, -2, 1, -2, -2]}, 0)
+    for shape, link in [braid, ({"pd": [[1, 3, 2, 4], [3, 1, 4, 2]]}, 1)]:
         rods = [
             Rod(
                 name=name,
