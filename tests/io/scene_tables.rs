@@ -204,7 +204,7 @@ fn knots_are_given_by_name_or_braid() {
     for (shape, reason) in [
         ("name = \"3_2\", length = 9", "shape.name = \"3_2\": must be a prime knot"),
         ("length = 9", "shape: a knot is given by its name, by a braid or by a PD code (pd), one"),
-        ("pd = [[1, 5, 2, 4], [3, 1, 4, 6]], length = 9", "shape.pd: has the edge 5 at 1 places"),
+        ("pd = [[1, 5, 2, 4], [3, 1, 4, 6]], length = 9", "shape.pd: has the edge 2 at 1 places"),
         ("name = \"3_1\"", "shape.length: missing"),
         ("name = \"3_1\", length = 9, distance = 1", "shape.distance: follows from the length"),
         ("name = \"3_1\", length = 9, open", "shape: a knot is closed: set closed = true"),
