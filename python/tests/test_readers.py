@@ -159,4 +159,5 @@ def test_topoly_names_the_same_knots() -> None:
     topoly = pytest.importorskip("topoly")
     for name in ("3_1", "6_2", "8_19"):
         points = loose(name=name).positions
-        assert str(topoly.alexander(points.tolist(), closure=topoly.Closure.CLOSED)).lstrip("+-") == name
+        # its Alexander polynomial gives up on 8_19
+        assert str(topoly.jones(points.tolist(), closure=topoly.Closure.CLOSED)).lstrip("+-") == name
