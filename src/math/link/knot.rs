@@ -10,6 +10,7 @@ pub(crate) mod closed_braid;
 mod diagram;
 mod jones;
 mod names;
+#[cfg(any(test, feature = "scenes"))]
 pub(crate) mod pd_code;
 pub(crate) mod table;
 

@@ -2,6 +2,7 @@
 //! 1987, Ann. Math. 126:335; KnotInfo). A letter ±k exchanges strands k and k + 1; positive letters are right-handed
 //! crossings. Which of two mirror images a name means is not agreed upon: these are those of the words here.
 
+#[cfg(any(test, feature = "scenes"))]
 use crate::error::InputError;
 
 /// Name and braid word.
@@ -47,6 +48,7 @@ pub(super) const KNOTS: [(&str, &[i32]); 35] = [
 ///
 /// # Errors
 /// [`InputError::Name`] for a name that is not in the table.
+#[cfg(any(test, feature = "scenes"))]
 pub(crate) fn named(name: &str) -> Result<Vec<i32>, InputError> {
     let found = KNOTS.iter().find(|(known, _)| *known == name);
     found.map(|(_, word)| word.to_vec()).ok_or_else(|| InputError::Name {
