@@ -4,7 +4,7 @@ use super::super::crossings::Crossing;
 
 /// A crossing with its four edges counterclockwise, the incoming lower one first, as an entry of a PD code.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Node {
+pub(super) struct DiagramNode {
     /// Edges are numbered along the knot.
     pub edges: [usize; 4],
     /// +1 right-handed, −1 left-handed.
@@ -47,7 +47,7 @@ pub(super) fn reduced(mut crossings: Vec<Crossing>) -> Vec<Crossing> {
 }
 
 /// The diagram of a knot's crossings. Edge k leads to the k-th pass.
-pub(super) fn nodes(crossings: &[Crossing]) -> Vec<Node> {
+pub(super) fn nodes(crossings: &[Crossing]) -> Vec<DiagramNode> {
     let passes = passes(crossings);
     let count = passes.len();
     let mut places = vec![[0; 2]; crossings.len()];
@@ -56,7 +56,7 @@ pub(super) fn nodes(crossings: &[Crossing]) -> Vec<Node> {
         let [below, above] = [under, over].map(|place| (place + 1) % count);
         // seen with the lower strand going up, the upper one of a right-handed crossing goes to the right
         let edges = if crossing.sign > 0 { [under, above, below, over] } else { [under, over, below, above] };
-        Node { edges, sign: crossing.sign }
+        DiagramNode { edges, sign: crossing.sign }
     };
     crossings.iter().zip(places).map(node).collect()
 }

@@ -9,7 +9,7 @@
 
 use std::collections::BTreeMap;
 
-use super::diagram::Node;
+use super::diagram::DiagramNode;
 
 /// A Mersenne prime, because products modulo it need no division.
 const P: u64 = (1 << 61) - 1;
@@ -67,7 +67,7 @@ impl Jones {
 }
 
 /// The polynomial of a diagram; `None` for one that is too wide.
-pub(super) fn jones(diagram: &[Node]) -> Option<Jones> {
+pub(super) fn jones(diagram: &[DiagramNode]) -> Option<Jones> {
     if diagram.is_empty() {
         return Some(Jones::UNKNOT);
     }
@@ -83,7 +83,7 @@ pub(super) fn jones(diagram: &[Node]) -> Option<Jones> {
 type Ways = Vec<[usize; 2]>;
 
 /// ⟨D⟩ at two inverse numbers, 1 for a circle.
-fn bracket(diagram: &[Node], [a, b]: [u64; 2]) -> Option<[u64; 2]> {
+fn bracket(diagram: &[DiagramNode], [a, b]: [u64; 2]) -> Option<[u64; 2]> {
     let circle = negative(add(times(a, a), times(b, b)));
     let mut left: Vec<[usize; 4]> = diagram.iter().map(|node| node.edges).collect();
     let mut open: Vec<usize> = Vec::new();
@@ -156,7 +156,7 @@ mod tests {
     /// Right-handed trefoil: t + t³ − t⁴; figure-eight: t⁻² − t⁻¹ + 1 − t + t² (Jones 1987).
     #[test]
     fn polynomials_of_two_knots() {
-        let node = |edges, sign| Node { edges, sign };
+        let node = |edges, sign| DiagramNode { edges, sign };
         let trefoil = [node([0, 4, 1, 3], 1), node([2, 0, 3, 5], 1), node([4, 2, 5, 1], 1)];
         let right = add(add(t(1), t(3)), negative(t(4)));
         assert_eq!(jones(&trefoil).unwrap().0[0], right);
@@ -168,7 +168,7 @@ mod tests {
     /// A kink of either hand changes nothing.
     #[test]
     fn kinks_do_not_count() {
-        for node in [Node { edges: [0, 0, 1, 1], sign: 1 }, Node { edges: [0, 1, 1, 0], sign: -1 }] {
+        for node in [DiagramNode { edges: [0, 0, 1, 1], sign: 1 }, DiagramNode { edges: [0, 1, 1, 0], sign: -1 }] {
             assert_eq!(jones(&[node]), Some(Jones::UNKNOT), "{node:?}");
         }
     }

@@ -16,7 +16,7 @@ const MOST_CROSSINGS: u32 = 8;
 
 /// A knot with a name.
 #[derive(Clone)]
-struct Named {
+struct NamedKnot {
     name: String,
     crossings: u32,
     factors: usize,
@@ -25,10 +25,10 @@ struct Named {
 }
 
 /// All knots with names, simple ones first.
-fn all() -> &'static [Named] {
-    static ALL: OnceLock<Vec<Named>> = OnceLock::new();
+fn all() -> &'static [NamedKnot] {
+    static ALL: OnceLock<Vec<NamedKnot>> = OnceLock::new();
     ALL.get_or_init(|| {
-        let primes: Vec<Named> = KNOTS.iter().filter_map(|(name, word)| prime(name, word)).flatten().collect();
+        let primes: Vec<NamedKnot> = KNOTS.iter().filter_map(|(name, word)| prime(name, word)).flatten().collect();
         let mut all = primes.clone();
         let mut made = primes.iter().enumerate().map(|(last, knot)| (last, knot.clone())).collect::<Vec<_>>();
         while let Some((last, knot)) = made.pop() {
@@ -45,21 +45,21 @@ fn all() -> &'static [Named] {
 }
 
 /// A knot of the table and its mirror image, where it is another knot.
-fn prime(name: &str, word: &[i32]) -> Option<Vec<Named>> {
+fn prime(name: &str, word: &[i32]) -> Option<Vec<NamedKnot>> {
     let crossings = name.split('_').next()?.parse().ok()?;
     let Invariants { alexander, jones } = invariants(&closed_braid::closed_braid(word, None).ok()?)?;
     let jones = jones?;
-    let knot = Named { name: name.to_owned(), crossings, factors: 1, alexander, jones };
-    let mirrored = Named { name: format!("{name}*"), jones: jones.mirrored(), ..knot.clone() };
+    let knot = NamedKnot { name: name.to_owned(), crossings, factors: 1, alexander, jones };
+    let mirrored = NamedKnot { name: format!("{name}*"), jones: jones.mirrored(), ..knot.clone() };
     Some(if jones == jones.mirrored() { vec![knot] } else { vec![knot, mirrored] })
 }
 
-fn composed(a: &Named, b: &Named) -> Named {
+fn composed(a: &NamedKnot, b: &NamedKnot) -> NamedKnot {
     let alexander = Alexander {
         determinant: a.alexander.determinant * b.alexander.determinant,
         at_third: a.alexander.at_third * b.alexander.at_third,
     };
-    Named {
+    NamedKnot {
         name: format!("{}#{}", a.name, b.name),
         crossings: a.crossings + b.crossings,
         factors: a.factors + b.factors,
