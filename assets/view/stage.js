@@ -324,7 +324,7 @@ function drawForces(lens, aspect) {
 
 /** Draws the obstacles after all else, behind what is nearer. They leave no depth, so that they neither cast nor take shade. */
 function drawObstacles(lens, aspect) {
-  if (film.grid.length === 0) return;
+  if (film.lines.length === 0) return;
   const which = use(stage.line, lens, aspect);
   const { inputs, uniforms } = which;
   surface(which, OBSTACLE, false);
@@ -332,7 +332,7 @@ function drawObstacles(lens, aspect) {
   gl.bindBuffer(gl.ARRAY_BUFFER, stage.grid);
   input(inputs.pointA, 3, 3, 0, false);
   gl.depthMask(false);
-  gl.drawArrays(gl.LINES, 0, 2 * film.grid.length);
+  gl.drawArrays(gl.LINES, 0, 2 * film.lines.length);
   gl.depthMask(true);
   release(inputs);
 }
