@@ -21,6 +21,10 @@ from supercoil.state import Floats, State
 _ORDER = 3
 #: Stretch of a rod at its start, over its length, below which it starts unstretched: rounding of the length of a polyline.
 _UNSTRETCHED = 1e-9
+#: Points of a segment between two nodes that are compared with the ends of cylinders.
+_PARTS = 8
+#: Gap over a rod's radius up to which it counts as touching: points between nodes are on chords.
+_NEAR = 0.01
 
 
 def _objection(scenario: Scenario) -> str | None:
@@ -184,9 +188,11 @@ def _check_ends(scenario: Scenario, positions: list[Floats]) -> None:
     for rod, nodes in zip(scenario.rods, positions):
         for body in scenario.obstacles:
             if isinstance(body, Cylinder):
-                offset = nodes[-1] - np.asarray(body.center)
+                parts = np.linspace(0.0, 1.0, _PARTS, endpoint=False)[:, None, None]
+                points = ((1.0 - parts) * nodes[-1, :-1] + parts * nodes[-1, 1:]).reshape(-1, 3)
+                offset = points - np.asarray(body.center)
                 along = offset @ body.unit_axis
                 across = np.linalg.norm(offset - along[:, None] * body.unit_axis, axis=1)
-                touches = across < body.radius + 1.01 * rod.radius
+                touches = across < body.radius + (1.0 + _NEAR) * rod.radius
                 if np.any(touches & (np.abs(along) > 0.5 * body.length)):
                     raise NotImplementedError("the end of a cylinder: cylinders are endless")

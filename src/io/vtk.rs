@@ -314,11 +314,8 @@ mod tests {
     fn offsets_tile_the_block() {
         let points = [Vec3::x(), Vec3::y()];
         let rod = VtkRod { points: &points, scalars: vec![("s", vec![1.0, 2.0])], ..VtkRod::default() };
-        let file = polydata(
-            &[rod],
-            &VtkStep { numbers: vec![("load", 1.0)], ..VtkStep::default() },
-            (ROD, &|rod| rod as i64),
-        );
+        let file =
+            polydata(&[rod], &VtkStep { numbers: vec![("load", 1.0)], ..VtkStep::default() }, (ROD, &|rod| rod as i64));
         let text = String::from_utf8_lossy(&file);
         let mut expected = 0;
         for tag in text.lines().filter(|l| l.starts_with("<DataArray")) {

@@ -130,7 +130,13 @@ fn a_ring_in_a_sphere_leaves_the_great_circle() {
         assert_eq!(bends > 1e-4, leaves, "{times} of the critical compression: {bends:e}");
         if !leaves {
             let force = TAU * compression;
-            verify("ring in a sphere", "pressure just below buckling", last.obstacle_reactions[0].force, force, 1e-3 * force);
+            verify(
+                "ring in a sphere",
+                "pressure just below buckling",
+                last.obstacle_reactions[0].force,
+                force,
+                1e-3 * force,
+            );
         }
     }
 }

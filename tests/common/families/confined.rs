@@ -49,8 +49,8 @@ pub fn obstacles(draft: &mut Draft, random: &mut Random) {
 /// A rope over a cylinder, its middle above the axle, both ends pulled down.
 fn pulley(draft: &mut Draft, random: &mut Random, material: &Material, steps: usize) {
     let size = random.between(0.05, 0.25);
-    let height = size + material.radius;
-    let slant = Vec3::new(random.between(-0.1, 0.1), 1.0, random.between(-0.1, 0.1));
+    let height = size + material.radius + random.between(0.0, 0.02);
+    let slant = Vec3::new(random.between(-0.1, 0.1), 1.0, 0.0);
     draft.rod("rope", (&line(&Vec3::new(-0.5, 0.0, height), &Vec3::x(), 1.0), 1.0), material, &[]);
     body(draft, "pulley", ("cylinder", Some(slant)), &Vec3::zeros(), (size, "outside"));
     draft.support("\"rope\"", "{ arc = 0.5 }", "[\"x\", \"y\"]", "false");
