@@ -36,7 +36,7 @@ fn obstacles(length: f64) -> Vec<Obstacle> {
         let x = length * (k as f64 + 0.5) / OBSTACLES as f64;
         let below = Vec3::new(x, 0.0, -(SIZE + RADIUS - OVERLAP));
         let (name, size) = (format!("obstacle{k}"), (SIZE, Side::Outside));
-        if k % 2 == 0 {
+        if k.is_multiple_of(2) {
             Obstacle::sphere(name, below, size)
         } else {
             Obstacle::cylinder(name, [below, Vec3::new(0.2, 1.0, 0.0)], size)
@@ -80,7 +80,7 @@ fn verify(solver: &Solver) -> usize {
         let depth = |k: usize| {
             let r = x - Vec3::new(below(k), 0.0, -(SIZE + RADIUS - OVERLAP));
             let axis = Vec3::new(0.2, 1.0, 0.0).normalize();
-            let distance = if k % 2 == 0 { r.norm() } else { r.cross(&axis).norm() };
+            let distance = if k.is_multiple_of(2) { r.norm() } else { r.cross(&axis).norm() };
             SIZE + RADIUS - distance
         };
         (0..OBSTACLES).map(depth).fold(f64::NEG_INFINITY, f64::max)

@@ -279,6 +279,18 @@ mod tests {
     }
 
     #[test]
+    fn lines_say_which_obstacle_they_show() {
+        let lines = [(0, [Vec3::zeros(), Vec3::x()]), (0, [Vec3::x(), Vec3::y()]), (2, [Vec3::y(), Vec3::z()])];
+        let path = std::env::temp_dir().join(format!("supercoil_obstacle_lines_{}.vtp", std::process::id()));
+        write_obstacle_lines(&path, &lines, &VtkStep::default()).unwrap();
+        let file = std::fs::read(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(integers(array(&file, "obstacle")), [0, 0, 2]);
+        assert_eq!(integers(array(&file, "offsets")), [2, 4, 6]);
+        assert_eq!(floats(array(&file, "Points"))[15..], [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
     fn what_is_written_comes_back() {
         let ring: Vec<Vec3> = (0..5).map(|i| Vec3::new((i as f64).cos(), (i as f64).sin(), 0.1)).collect();
         let line: Vec<Vec3> = (0..3).map(|i| Vec3::new(i as f64, 0.0, 1e-300)).collect();

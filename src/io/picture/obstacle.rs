@@ -36,12 +36,14 @@ pub(in crate::io) fn placed_lines<'a>(
     lines(obstacle, points).into_iter().map(|ends| ends.map(|end| matrix * end + shift)).collect()
 }
 
-/// Whether the side of an obstacle that rods are on faces an eye in this direction at the middle of a line; a plane is seen from
+/// Unit vector to the side of an obstacle that rods are on, in the middle of one of its lines; zero of a plane, which is seen from
 /// both sides.
-pub(in crate::io) fn faces(obstacle: &Obstacle, placement: &ObstaclePose, line: &[Vec3; 2], eye: &Vec3) -> bool {
+pub(in crate::io) fn normal(obstacle: &Obstacle, placement: &ObstaclePose, line: &[Vec3; 2]) -> Vec3 {
+    if obstacle.is_plane() {
+        return Vec3::zeros();
+    }
     let surface = obstacle.placed(placement);
-    let middle = (line[0] + line[1]) * 0.5 - surface.point();
-    obstacle.is_plane() || surface.normal(&middle).dot(eye) >= 0.0
+    surface.normal(&((line[0] + line[1]) * 0.5 - surface.point()))
 }
 
 /// Lines of a square grid about the points' feet on a plane, one square beyond them.
@@ -168,8 +170,8 @@ mod tests {
                     let out = (line[0] + line[1]) * 0.5 - surface.point();
                     let out = surface.skeleton.away(&out).dot(&eye);
                     if out.abs() > 1e-9 {
-                        assert_eq!(faces(&obstacle, &placement, line, &eye), out < 0.0);
-                        assert_eq!(faces(&solid, &placement, line, &eye), out > 0.0);
+                        assert_eq!(normal(&obstacle, &placement, line).dot(&eye) > 0.0, out < 0.0);
+                        assert_eq!(normal(&solid, &placement, line).dot(&eye) > 0.0, out > 0.0);
                     }
                 }
             }

@@ -220,7 +220,9 @@ impl Record {
         let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
         let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };
         let eye = axes[0].cross(&axes[1]);
-        let seen = |obstacle: &Obstacle, pose: &ObstaclePose, line: &_| obstacle::faces(obstacle, pose, line, &eye);
+        let seen = |obstacle: &Obstacle, pose: &ObstaclePose, line: &_| {
+            obstacle::normal(obstacle, pose, line).dot(&eye) >= 0.0
+        };
         let (spots, lines) = (self.spots(frame), self.lines(frame, all, seen));
         TubePicture { tubes, view, spots, lines, ..TubePicture::default() }
     }
