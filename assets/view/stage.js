@@ -203,19 +203,28 @@ function upload() {
   gl.bufferData(gl.ARRAY_BUFFER, nodes.data, gl.DYNAMIC_DRAW);
   gl.bindBuffer(gl.ARRAY_BUFFER, stage.forces);
   gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(film.frames[view.frame].forces.flat()), gl.DYNAMIC_DRAW);
-  const grid = obstacleLines(view.frame);
-  gl.bindBuffer(gl.ARRAY_BUFFER, stage.grid);
-  gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(grid.flat()), gl.DYNAMIC_DRAW);
-  const beyond = grid.reduce((most, end) => Math.max(most, Math.hypot(...end)), nodes.reach);
+  const lines = obstacleLines(view.frame);
+  const beyond = lines.flatMap(({ ends }) => ends).reduce((most, end) => Math.max(most, Math.hypot(...end)), nodes.reach);
   const spans = nodes.rods.reduce((sum, rod) => sum + Math.max(rod.count - 1, 0), 0);
-  Object.assign(stage, { shown: view.frame, current: { ...nodes, data: null, spans, beyond } });
+  Object.assign(stage, { shown: view.frame, current: { ...nodes, data: null, spans, beyond, lines } });
 }
 
-/** Ends of the lines of all obstacles in a frame, whose images are rows of A and b: x goes to A x + b. */
+/** Lines of all obstacles in a frame, whose images are rows of A and b: x goes to A x + b. A turns the normals and makes them longer;
+ * those of planes are zero. */
 function obstacleLines(index) {
   const { images } = film.frames[index];
-  const image = (rows, end) => rows.map((row) => row[0] * end[0] + row[1] * end[1] + row[2] * end[2] + row[3]);
-  return film.lines.flatMap(({ obstacle, ends }) => ends.map((end) => image(images[obstacle], end)));
+  const image = (rows, end, one) => rows.map((row) => row[0] * end[0] + row[1] * end[1] + row[2] * end[2] + one * row[3]);
+  return film.lines.map(({ obstacle, ends, normal }) => ({
+    ends: ends.map((end) => image(images[obstacle], end, 1)),
+    normal: image(images[obstacle], normal, 0),
+  }));
+}
+
+/** Ends of the lines on the side that faces the eye: of a ball the near one, of a tube the far one. */
+function seenLines() {
+  const eye = view.turn[2];
+  const faces = ({ normal }) => normal[0] * eye[0] + normal[1] * eye[1] + normal[2] * eye[2] >= 0;
+  return stage.current.lines.filter(faces).flatMap(({ ends }) => ends.flat());
 }
 
 /** Sets what an input of a program reads: `size` numbers `offset` numbers into records of `stride`. */
@@ -324,15 +333,17 @@ function drawForces(lens, aspect) {
 
 /** Draws the obstacles after all else, behind what is nearer. They leave no depth, so that they neither cast nor take shade. */
 function drawObstacles(lens, aspect) {
-  if (film.grid.length === 0) return;
+  const seen = seenLines();
+  if (seen.length === 0) return;
   const which = use(stage.line, lens, aspect);
   const { inputs, uniforms } = which;
   surface(which, OBSTACLE, false);
   gl.uniform1f(uniforms.stripeAngle, -1);
   gl.bindBuffer(gl.ARRAY_BUFFER, stage.grid);
+  gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(seen), gl.DYNAMIC_DRAW);
   input(inputs.pointA, 3, 3, 0, false);
   gl.depthMask(false);
-  gl.drawArrays(gl.LINES, 0, 2 * film.grid.length);
+  gl.drawArrays(gl.LINES, 0, seen.length / 3);
   gl.depthMask(true);
   release(inputs);
 }

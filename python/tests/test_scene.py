@@ -57,6 +57,49 @@ def test_planes_push_rods() -> None:
     assert lower["force"] == pytest.approx(0.1 / (np.pi / 4 - 2 / np.pi), rel=0.1)
 
 
+def test_obstacles_hold_and_move_rods() -> None:
+    section = {"bending": 1.0, "twisting": 1.0, "stretching": 1e4, "shearing": 1e4, "contact_radius": 0.05}
+    ring = Rod(closed=True, shape={"kind": "circle", "radius": 1.0}, section=section, elements=16)
+    hinge = {"through": (0, 5, 0), "axis": (0, 0, 1)}
+    bodies = [
+        Obstacle(name="post", shape="cylinder", point=(0, 0, 0), axis=(0, 0, 1), radius=0.5, hinge=hinge),
+        Obstacle(name="cavity", shape="sphere", side="inside", radius=3.0),
+    ]
+    moves = [{"name": "post", "radius": 0.6, "turns": 0.02, "displacement": (0.1, 0, 0)}, {"name": "cavity", "radius": 2.0}]
+    scene = Scene(ring, obstacles=bodies, stages=Stage(obstacle=moves, steps=2))
+    assert Scene.from_toml(scene.to_toml()).to_toml() == scene.to_toml()
+    result = scene.run()
+    post, cavity = result.state.obstacle_reactions
+    assert result.status == "converged"
+    assert post["placement"] == {"level": 0.6, "displacement": [0.1, 0.0, 0.0], "turns": 0.02}
+    assert cavity["placement"]["level"] == 2.0
+    # by hand: a post lifts a cantilever by δ at a, F = 3 EI δ/a³
+    beam = Rod(shape=LINE, section=section, elements=8)
+    lifting = Obstacle(shape="cylinder", point=(0.8, -0.25, 0), axis=(0, 0, 1), radius=0.2)
+    held = Support(at="start", position=True, rotation=True)
+    solver = Scene(beam, obstacles=[lifting], supports=[held], planar=True).solver()
+    solver.settle()
+    report = solver.step_to(obstacle={"displacement": (0, 0.005, 0)})
+    (push,) = solver.state.obstacle_reactions
+    assert report.status == "converged" and push["force_on_rods"][1] == pytest.approx(0.015 / 0.8**3, rel=0.02)
+
+
+def test_sweeps_change_obstacles(tmp_path: Path) -> None:
+    section = {"bending": 1.0, "twisting": 1.0, "stretching": 1e4, "shearing": 1e4, "contact_radius": 0.05}
+    ring = Rod(closed=True, shape={"kind": "circle", "radius": 1.0}, section=section, elements=16)
+    cavity = Obstacle(name="cavity", shape="cylinder", side="inside", axis=(0, 0, 1), radius=1.1)
+    stage = Stage(obstacle={"radius": 1.04}, steps=1)
+    Scene(ring, obstacles=[cavity], stages=stage, planar=True).save(tmp_path / "scene.toml")
+    axes = '"obstacles.cavity.radius" = [1.1, 0.9]\n"stages.0.ramp.obstacle.radius" = [1.045, 1.042]\n'
+    (tmp_path / "sweep.toml").write_text(f'scene = "scene.toml"\n[axes]\n{axes}')
+    table = supercoil.sweep(tmp_path / "sweep.toml").table
+    # of each case that runs the start and a step; no ring fits in the smaller cavity
+    assert list(table["status"]) == 4 * ["converged"] + 2 * ["refused"]
+    # a ring that is compressed evenly: 2π EA (1 − λ)
+    force = 2 * np.pi * 1e4 * np.array([0.005, 0.008])
+    assert np.allclose(table["cavity_force"][[1, 3]], force, rtol=1e-2)
+
+
 def test_minicircle_has_the_numbers_of_dna() -> None:
     scene = Scene.minicircle()
     (rod,) = scene.rods

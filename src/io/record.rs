@@ -23,9 +23,10 @@ use super::asked::{Answers, Sensitivity};
 use super::csv::{RodState, state_text, write_state};
 use super::detail::{every, within};
 use super::fingerprint::Fingerprint;
+use super::picture::obstacle::placed_lines;
 use super::table::{Columns, Named, ResultantsOf, write_lines, write_resultants, write_sites};
 use super::view;
-use super::vtk::{PvdWriter, VtkRod, VtkStep, write_vtp};
+use super::vtk::{PvdWriter, VtkRod, VtkStep, write_obstacle_lines, write_vtp};
 pub(super) use files::{BASE_PAIRS, VIEW, check_finished, read_summary, step_of};
 use still::Still;
 
@@ -198,6 +199,7 @@ pub struct RecordState {
 /// | file | content |
 /// |---|---|
 /// | `step_0000.vtp` …, `run.pvd` | centrelines for ParaView: at the nodes frame, arc length, radius, curvature, twist rate, contact force, internal force and moment; as field data the numbers of the table's line, `TimeValue` (the first quantity that stages ramp), `units` |
+/// | `obstacles_0000.vtp` … | lines that show planes and obstacles where they are, the second part of `run.pvd`; cell data `obstacle` is the index |
 /// | `table.csv` | one line per accepted step |
 /// | `final_state.csv` | positions and quaternions of all nodes |
 /// | `resultants.csv` | internal forces and moments at the nodes of the final state, in their frames |
@@ -524,7 +526,20 @@ impl Record {
         let path = self.dir.join(files::of_step(frame.step));
         write_vtp(&path, &rods, &self.vtk_step(&self.steps[frame.step]))?;
         self.last_written = Some(frame.step);
-        self.pvd.push(frame.step as f64, &path)
+        let mut paths = vec![path];
+        if !self.obstacles.is_empty() {
+            paths.push(self.dir.join(files::of_obstacles(frame.step)));
+            let points = || frame.rods.iter().flat_map(|rod| &rod.positions);
+            let placed = self.obstacles.iter().zip(placements(&self.steps[frame.step])).enumerate();
+            let lines: Vec<(usize, [Vec3; 2])> = placed
+                .flat_map(|(k, (obstacle, pose))| {
+                    placed_lines(obstacle, &pose, points()).into_iter().map(move |line| (k, line))
+                })
+                .collect();
+            write_obstacle_lines(&paths[1], &lines, &VtkStep::default())?;
+        }
+        let paths: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
+        self.pvd.push(frame.step as f64, &paths)
     }
 
     /// Field data of a step's VTK file: the numbers of the table, how far the run is, units.

@@ -61,7 +61,17 @@ pub fn write_vtp(path: &Path, rods: &[VtkRod], step: &VtkStep) -> Result<(), Inp
         }
         seen.push(name);
     }
-    write_file(path, &polydata(rods, step))
+    write_file(path, &polydata(rods, step, (ROD, &|rod| rod as i64)))
+}
+
+/// Writes straight lines as one `.vtp` file, replacing what is there: each line with the index of the obstacle that it shows as
+/// cell data.
+///
+/// # Errors
+/// [`InputError::Write`] if the file cannot be written.
+pub fn write_obstacle_lines(path: &Path, lines: &[(usize, [Vec3; 2])], step: &VtkStep) -> Result<(), InputError> {
+    let rods: Vec<VtkRod> = lines.iter().map(|(_, ends)| VtkRod { points: ends, ..VtkRod::default() }).collect();
+    write_file(path, &polydata(&rods, step, ("obstacle", &|line| lines[line].0 as i64)))
 }
 
 /// Names of the arrays that every file has.
@@ -69,8 +79,8 @@ const ROD: &str = "rod";
 const POINTS: &str = "Points";
 const UNITS: &str = "units";
 
-/// The bytes of a `.vtp` file.
-fn polydata(rods: &[VtkRod], step: &VtkStep) -> Vec<u8> {
+/// The bytes of a `.vtp` file; cell data are named integers, by the index of the polyline.
+fn polydata(rods: &[VtkRod], step: &VtkStep, (cells, of_cell): (&str, &dyn Fn(usize) -> i64)) -> Vec<u8> {
     let num_points: usize = rods.iter().map(|r| r.points.len()).sum();
     let lines = rods.iter().filter(|r| !r.points.is_empty()).count();
     let (mut xml, mut data) = (String::new(), Appended::default());
@@ -90,7 +100,7 @@ fn polydata(rods: &[VtkRod], step: &VtkStep) -> Vec<u8> {
     point_data(rods, &mut xml, &mut data);
     xml.push_str("</PointData>\n<CellData>\n");
     let filled = || rods.iter().enumerate().filter(|(_, r)| !r.points.is_empty());
-    data.integers(&mut xml, ROD, filled().map(|(i, _)| i as i64));
+    data.integers(&mut xml, cells, filled().map(|(i, _)| of_cell(i)));
     xml.push_str("</CellData>\n<Points>\n");
     data.floats(&mut xml, POINTS, THREE, rods.iter().flat_map(|r| r.points).flat_map(|p| [p.x, p.y, p.z]));
     xml.push_str("</Points>\n<Lines>\n");
@@ -214,18 +224,20 @@ impl PvdWriter {
         &self.entries
     }
 
-    /// Adds `file` at time `time` and rewrites the collection, which is thus valid after every step.
+    /// Adds `files`, the parts of what is shown at time `time`, and rewrites the collection, which is thus valid after every step.
     ///
     /// Files in the collection's own folder (or below) are stored relative to it, so the folder can be moved.
     ///
     /// # Errors
     /// [`InputError::Value`] if `time` is not finite, [`InputError::Write`] if the collection cannot be written.
-    pub fn push(&mut self, time: f64, file: &Path) -> Result<(), InputError> {
+    pub fn push(&mut self, time: f64, files: &[&Path]) -> Result<(), InputError> {
         InputError::check("time", time, true, "a finite number")?;
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        let file = escaped(&file.strip_prefix(folder).unwrap_or(file).to_string_lossy());
-        // Writing to a String cannot fail.
-        let _ = writeln!(self.entries, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{file}\"/>");
+        for (part, file) in files.iter().enumerate() {
+            let file = escaped(&file.strip_prefix(folder).unwrap_or(file).to_string_lossy());
+            // Writing to a String cannot fail.
+            let _ = writeln!(self.entries, "<DataSet timestep=\"{time:?}\" part=\"{part}\" file=\"{file}\"/>");
+        }
         let head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n";
         write_file(&self.path, format!("{head}{}</Collection>\n</VTKFile>\n", self.entries).as_bytes())
     }
@@ -267,6 +279,18 @@ mod tests {
     }
 
     #[test]
+    fn lines_say_which_obstacle_they_show() {
+        let lines = [(0, [Vec3::zeros(), Vec3::x()]), (0, [Vec3::x(), Vec3::y()]), (2, [Vec3::y(), Vec3::z()])];
+        let path = std::env::temp_dir().join(format!("supercoil_obstacle_lines_{}.vtp", std::process::id()));
+        write_obstacle_lines(&path, &lines, &VtkStep::default()).unwrap();
+        let file = std::fs::read(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(integers(array(&file, "obstacle")), [0, 0, 2]);
+        assert_eq!(integers(array(&file, "offsets")), [2, 4, 6]);
+        assert_eq!(floats(array(&file, "Points"))[15..], [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
     fn what_is_written_comes_back() {
         let ring: Vec<Vec3> = (0..5).map(|i| Vec3::new((i as f64).cos(), (i as f64).sin(), 0.1)).collect();
         let line: Vec<Vec3> = (0..3).map(|i| Vec3::new(i as f64, 0.0, 1e-300)).collect();
@@ -279,7 +303,11 @@ mod tests {
             },
             VtkRod { points: &line, closed: false, scalars: vec![], vectors: vec![("d1", vec![Vec3::x(); 3])] },
         ];
-        let file = polydata(&rods, &VtkStep { numbers: vec![("TimeValue", 0.25)], units: vec![("d1", "1")] });
+        let file = polydata(
+            &rods,
+            &VtkStep { numbers: vec![("TimeValue", 0.25)], units: vec![("d1", "1")] },
+            (ROD, &|rod| rod as i64),
+        );
         let all: Vec<f64> = ring.iter().chain(&line).flat_map(|p| [p.x, p.y, p.z]).collect();
         assert_eq!(floats(array(&file, "Points")), all);
         assert_eq!(integers(array(&file, "connectivity")), [0, 1, 2, 3, 4, 0, 5, 6, 7]);
@@ -298,7 +326,8 @@ mod tests {
     fn offsets_tile_the_block() {
         let points = [Vec3::x(), Vec3::y()];
         let rod = VtkRod { points: &points, scalars: vec![("s", vec![1.0, 2.0])], ..VtkRod::default() };
-        let file = polydata(&[rod], &VtkStep { numbers: vec![("load", 1.0)], ..VtkStep::default() });
+        let file =
+            polydata(&[rod], &VtkStep { numbers: vec![("load", 1.0)], ..VtkStep::default() }, (ROD, &|rod| rod as i64));
         let text = String::from_utf8_lossy(&file);
         let mut expected = 0;
         for tag in text.lines().filter(|l| l.starts_with("<DataArray")) {
@@ -326,12 +355,13 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("supercoil_pvd_{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let mut collection = PvdWriter::new(folder.join("run.pvd"));
-        collection.push(0.5, &folder.join("step_0.vtp")).unwrap();
-        collection.push(1.0, &folder.join("step_1.vtp")).unwrap();
-        assert!(collection.push(f64::NAN, Path::new("x")).is_err());
+        collection.push(0.5, &[&folder.join("step_0.vtp")]).unwrap();
+        collection.push(1.0, &[&folder.join("step_1.vtp"), &folder.join("more_1.vtp")]).unwrap();
+        assert!(collection.push(f64::NAN, &[Path::new("x")]).is_err());
         let text = std::fs::read_to_string(folder.join("run.pvd")).unwrap();
         assert!(text.contains("<DataSet timestep=\"0.5\" part=\"0\" file=\"step_0.vtp\"/>"));
-        assert_eq!(text.matches("<DataSet").count(), 2);
+        assert!(text.contains("<DataSet timestep=\"1.0\" part=\"1\" file=\"more_1.vtp\"/>"));
+        assert_eq!(text.matches("<DataSet").count(), 3);
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

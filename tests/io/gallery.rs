@@ -11,7 +11,8 @@ use supercoil::scene::Scene;
 use supercoil::solve::{self, Status};
 
 /// Scenes that take seconds.
-const SLOW: [&str; 7] = ["pbr322", "lambda_phage", "cable", "tweezers", "tweezers_on_glass", "tight_knot", "strand"];
+const SLOW: [&str; 8] =
+    ["pbr322", "lambda_phage", "cable", "tweezers", "tweezers_on_glass", "tight_knot", "strand", "ball_of_string"];
 
 /// Scene, quantity and value of each row.
 fn rows() -> Vec<[String; 3]> {
@@ -50,12 +51,12 @@ fn check(scenes: impl Fn(&str) -> bool) {
 
 #[test]
 fn gallery_of_quick_scenes() {
-    assert_eq!(rows().len(), 15);
+    assert_eq!(rows().len(), 19);
     check(|name| !SLOW.contains(&name));
 }
 
 #[test]
-#[ignore = "slow: half a minute"]
+#[ignore = "slow: some minutes"]
 fn gallery_of_slow_scenes() {
     check(|name| SLOW.contains(&name));
 }

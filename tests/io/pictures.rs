@@ -300,6 +300,6 @@ fn write_paraview(folder: &Path) {
         let file = folder.join(format!("knot_{step}.vtp"));
         let step_data = VtkStep { numbers: vec![("TimeValue", step as f64), ("excess link", 0.5)], units: vec![] };
         write_vtp(&file, &rods, &step_data).expect("a file");
-        collection.push(step as f64, &file).expect("a collection");
+        collection.push(step as f64, &[&file]).expect("a collection");
     }
 }

@@ -89,6 +89,29 @@ fn a_film_strip_has_one_camera() {
     std::fs::remove_dir_all(&dir).unwrap();
 }
 
+/// ParaView shows obstacles beside rods, where they are in each step; a run that writes anew leaves none of before.
+#[test]
+fn collections_have_obstacles_as_their_second_part() {
+    let dir = folder("parts");
+    std::fs::create_dir_all(&dir).unwrap();
+    std::fs::write(dir.join("obstacles_0007.vtp"), "of a longer run").unwrap();
+    let scene = Scene::from_toml(RING, Path::new("")).unwrap();
+    let outcome = run_scene(scene, &dir, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(outcome.status, Status::Converged);
+    let collection = std::fs::read_to_string(dir.join("run.pvd")).unwrap();
+    let steps = collection.matches("part=\"0\" file=\"step_").count();
+    assert!(steps > 1 && !dir.join("obstacles_0007.vtp").exists());
+    for step in 0..steps {
+        let file = format!("obstacles_{step:04}.vtp");
+        assert!(collection.contains(&format!("part=\"1\" file=\"{file}\"")), "{collection}");
+        let bytes = std::fs::read(dir.join(file)).unwrap();
+        assert!(String::from_utf8_lossy(&bytes).contains("Name=\"obstacle\""));
+    }
+    let of = |step: usize| std::fs::read(dir.join(format!("obstacles_{step:04}.vtp"))).unwrap();
+    assert_ne!(of(0), of(steps - 1), "the upper plane has moved");
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
 #[test]
 fn tables_tell_planes_forces_and_sites() {
     let dir = folder("planes");

@@ -97,6 +97,33 @@ fn assert_same(a: &Collected, b: &Collected) {
     assert_eq!(a.table.difference(rows, &b.table, others, &["seconds"]), None);
 }
 
+/// Radius, place and ramp of an obstacle are axes as any number of a scene is.
+#[test]
+fn sweeps_change_obstacles() {
+    let dir = std::env::temp_dir().join(format!("supercoil_sweep_{}_obstacles", std::process::id()));
+    std::fs::remove_dir_all(&dir).ok();
+    std::fs::create_dir_all(&dir).unwrap();
+    let scene = "planar = true\n[[rods]]\nname = \"ring\"\nclosed = true\nshape = { kind = \"circle\", radius = 1.0 }\n\
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.05 }\nelements = 16\n\
+        [[obstacles]]\nname = \"tube\"\nshape = \"cylinder\"\naxis = [0, 0, 1]\nside = \"inside\"\nradius = 1.1\n\
+        [[stages]]\nramp = { obstacle = { radius = 1.045 } }\n";
+    std::fs::write(dir.join("scene.toml"), scene).unwrap();
+    let axes = "scene = \"scene.toml\"\n[axes]\n\"obstacles.tube.radius\" = [1.1, 0.9]\n\
+        \"stages.0.ramp.obstacle.radius\" = [1.045, 1.042]\n";
+    let sweep = plan(&dir, axes);
+    run(&sweep, &serial());
+    let table = collect(&sweep).unwrap().table;
+    // the start and a step of each case that runs; no ring fits in the smaller tube
+    assert_eq!(words(&table, "status"), ["converged", "converged", "converged", "converged", "refused", "refused"]);
+    let forces: Vec<f64> = words(&table, "tube_force").iter().filter_map(|text| text.parse().ok()).collect();
+    // a ring that is compressed evenly: 2π EA (1 − λ)
+    for (force, compressed) in [(forces[1], 0.005), (forces[3], 0.008)] {
+        let even = std::f64::consts::TAU * 1e4 * compressed;
+        assert!((force / even - 1.0).abs() < 1e-2, "{force} {even}");
+    }
+    std::fs::remove_dir_all(&dir).unwrap();
+}
+
 #[test]
 fn a_sweep_runs_resumes_and_keeps_its_failures_as_rows() {
     let (dir, sweep) = planned("runs", AXES);

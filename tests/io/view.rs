@@ -70,6 +70,22 @@ fn planes_are_grids_that_move_with_the_frames() {
     assert!(film.page().unwrap_err().to_string().contains("frames[0].placements"));
 }
 
+/// Symptom: the page read a key that it had no more, and stayed empty.
+#[test]
+fn scripts_read_what_the_page_has() {
+    let page = film(40, 2).page().unwrap();
+    let scripts = ["film", "shaders", "stage", "panel", "main"].map(|name| {
+        let path = format!("{}/assets/view/{name}.js", env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(path).unwrap()
+    });
+    let keys = scripts.iter().flat_map(|script| script.split("film.").skip(1)).map(|rest| {
+        let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+        &rest[..end]
+    });
+    let missing: Vec<&str> = keys.filter(|key| !page.contains(&format!("\"{key}\":"))).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
 #[test]
 fn each_frame_is_a_node_that_the_animation_shows_for_its_time() {
     let file = read(&film(40, 4), Quantity::Strand);

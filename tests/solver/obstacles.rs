@@ -147,6 +147,102 @@ fn obstacles_without_sense_are_refused() {
     }
 }
 
+/// A catheter free in a bent row of posts, straight by nature, leans on the outer ones at its ends and on the inner ones between.
+/// The posts' forces and moments on it cancel, it is as symmetric as the row, and bent less than the row is.
+#[test]
+fn a_catheter_in_a_bent_row_of_posts() {
+    use std::f64::consts::FRAC_PI_2;
+    let (bend, radius, post, play) = (2.0, 0.05, 0.1, 0.04);
+    let mut text = format!(
+        "planar = true\n[[rods]]\nname = \"catheter\"\n\
+         shape = {{ kind = \"arc\", start = [{bend:?}, 0, 0], tangent = [0, 1, 0], towards = [-1, 0, 0], radius = {bend:?}, \
+         turns = 0.25 }}\n\
+         section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = {radius:?} }}\n\
+         elements = 48\n"
+    );
+    let mut places = Vec::new();
+    for k in 0..7 {
+        for side in [-1.0, 1.0] {
+            let (sin, cos) = (FRAC_PI_2 * (f64::from(k) + 0.5) / 7.0).sin_cos();
+            let out = bend + side * (radius + post + play);
+            places.push([out * cos, out * sin]);
+            text += &format!(
+                "[[obstacles]]\nname = \"post{k}{side}\"\nshape = \"cylinder\"\naxis = [0, 0, 1]\nradius = {post:?}\n\
+                 point = [{:?}, {:?}, 0]\n",
+                out * cos,
+                out * sin
+            );
+        }
+    }
+    let (solution, seen) = run(&text, &Options::default());
+    let last = &seen[seen.len() - 1];
+    let length = bend * FRAC_PI_2;
+    let of_arc = 0.5 * length / (bend * bend);
+    assert!(last.energies.bending > 0.3 * of_arc && last.energies.bending < 0.95 * of_arc, "{:?}", last.energies);
+    let pushes = &last.obstacle_reactions;
+    let largest = pushes.iter().map(|push| push.force).fold(0.0, f64::max);
+    let sum = |k: usize| pushes.iter().map(|push| push.force_on_rods[k]).sum::<f64>();
+    // forces go through the axes of the posts
+    let turn: f64 =
+        pushes.iter().zip(&places).map(|(push, [x, y])| x * push.force_on_rods[1] - y * push.force_on_rods[0]).sum();
+    assert!([sum(0), sum(1), turn].iter().all(|sum| sum.abs() < 1e-6 * largest), "{} {} {turn}", sum(0), sum(1));
+    for (a, b) in
+        pushes.iter().zip(pushes.iter().rev().collect::<Vec<_>>().chunks(2).flat_map(|pair| [pair[1], pair[0]]))
+    {
+        assert!((a.force - b.force).abs() < 1e-6 * largest, "{} {}", a.force, b.force);
+    }
+    // the outer ones bear the ends, and no point is nearer to a post than the radius
+    assert!(pushes[1].force > 0.1 * largest && pushes[0].force == 0.0, "{pushes:?}");
+    let points = solution.solver.engine().centerline(0, 8).0;
+    let clear = |[x, y]: &[f64; 2]| points.iter().map(|p| (p.x - x).hypot(p.y - y)).fold(f64::INFINITY, f64::min);
+    assert!(places.iter().all(|place| clear(place) > radius + post - 1e-8));
+}
+
+/// A coil of thirty turns, as one for an aneurysm, in a cavity that shrinks about it: its ends are pressed inwards, and all of it stays
+/// inside, in order.
+#[test]
+#[ignore = "slow: half a minute"]
+fn a_coil_of_thirty_turns_in_a_cavity() {
+    let text = "[[rods]]\nname = \"coil\"\nnatural = \"as-shaped\"\nelements = 180\n\
+        shape = { kind = \"helix\", radius = 0.7, pitch = 0.04, turns = 30.0, center = [0, 0, -0.6] }\n\
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.01 }\n\
+        [[obstacles]]\nshape = \"sphere\"\nside = \"inside\"\nradius = 0.95\n\
+        [[stages]]\nramp = { obstacle = { radius = 0.86 } }\nsteps = 3\n";
+    let (solution, seen) = run(text, &Options::default());
+    let points = solution.solver.engine().centerline(0, 8).0;
+    let farthest = points.iter().map(|r| r.norm()).fold(0.0, f64::max);
+    assert!(farthest <= 0.85 + 1e-8, "{farthest}");
+    let angle = |p: &supercoil::math::Vec3| p.y.atan2(p.x);
+    let turned: f64 = points
+        .windows(2)
+        .map(|pair| {
+            let step = (angle(&pair[1]) - angle(&pair[0])) / std::f64::consts::TAU;
+            step - step.round()
+        })
+        .sum();
+    assert!((turned - 30.0).abs() < 0.1, "{turned}");
+    // the length of a spring whose ends are pressed together
+    let last = &seen[seen.len() - 1];
+    let height = points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+    assert!(last.obstacle_reactions[0].force > 1e-3 && height < 0.55, "{height} {:?}", last.obstacle_reactions);
+    let both: Vec<f64> = last.obstacle_sites.iter().map(|site| site.force_on_rod[2]).collect();
+    assert!(both.iter().sum::<f64>().abs() < 1e-6 && both.iter().any(|f| *f > 1e-4), "{both:?}");
+}
+
+/// A string of a thousand nodes that is wound up in space is pressed to a ball.
+#[test]
+#[ignore = "slow: some minutes"]
+fn a_ball_of_string() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/ball_of_string.toml");
+    let (solution, seen) = run(&std::fs::read_to_string(path).unwrap(), &Options::default());
+    let engine = solution.solver.engine();
+    assert_eq!(engine.state().positions.len(), 999);
+    let farthest = engine.centerline(0, 8).0.iter().map(|r| r.norm()).fold(0.0, f64::max);
+    assert!(farthest <= 0.88 + 1e-8, "{farthest}");
+    let last = &seen[seen.len() - 1];
+    assert!(last.obstacle_reactions[0].force > 1.0 && last.sites.len() > 3, "{}", last.certificate);
+}
+
 /// The scenes of `supercoil new` converge, and their obstacles bear something.
 #[test]
 fn templates_with_obstacles_converge() {

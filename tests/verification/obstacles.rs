@@ -11,16 +11,36 @@
 //!   sin θ beyond and zero on the arc, whose half angle is ½π − θ. The pressure in all is 2 (T (½π − θ) + W sin θ); its sum as
 //!   vectors is 2W.
 //! * A ring in a sphere that is made smaller than it: as long as it is a circle, on a great circle, its energy is as about the
-//!   cylinder, with λ < 1.
+//!   cylinder, with λ < 1. A wave w cos nφ across has the geodesic curvature w (1 − n²)/ρ² and lengthens the ring by
+//!   ½w² (n² − 1)/ρ² a length. Its energy, ½B times the square of the curvature per reference length and ½EA (λ − 1)²,
+//!   grows by ½w² (n² − 1)/ρ² times B (n² − 1)/ρ² − P + B/ρ², P = EA (1 − λ): the circle is left at P = 4B/ρ², n = 2.
+//! * A rod in a tube, pushed and turned: Thompson, Silveira, van der Heijden and Wiercigroch, Proc. R. Soc. A 468 (2012)
+//!   1591. Away from its ends it is a helix on a cylinder of radius a = R − ε at the angle β to the axis. Its curvature is
+//!   sin²β/a, it turns by sin β/a about the axis a length, and its torque is the moment M about the axis throughout. Under
+//!   the tension T along the axis
+//!
+//!   ```text
+//!   V = ½B sin⁴β/a² − T cos β − M sin β (1 − cos β)/a      ∂V/∂β = 0, p = −∂V/∂a
+//!   ```
+//!
+//!   p the force of the wall per length. Forces at nodes, h apart, of a pressure that turns by k = h sin β/a from one to the next are
+//!   shorter by ∫(1 − cos ku)(1 − u)² (1 + 2u) du of both sides: k²/15.
+//! * A coil of many turns in a cavity: a closed curve, or nearly, in a ball of radius ρ has a mean curvature of at least 1/ρ (Fáry
+//!   1950), so its energy is at least ½BL/ρ².
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::ops::ControlFlow;
+use std::path::Path;
 
-use crate::common::verify;
+use crate::common::{root, verify};
 use crate::planes;
 
+use supercoil::observe::observe;
 use supercoil::observe::report::{Observation, SiteKind};
+use supercoil::scene::Scene;
+use supercoil::solve::{self, Options, Status};
 
 /// All steps of a scene, each with its certificate.
 fn steps(text: &str) -> Vec<Observation> {
@@ -89,4 +109,89 @@ fn a_ring_in_a_shrinking_sphere_is_compressed_evenly() {
     let last = &seen[seen.len() - 1];
     let force = TAU * 1e3 * 0.0005;
     verify("ring in a sphere", "pressure in all", last.obstacle_reactions[0].force, force, 1e-3 * force);
+}
+
+/// Below 4B/ρ² the ring stays on the great circle, above it folds along the wall.
+#[test]
+fn a_ring_in_a_sphere_leaves_the_great_circle() {
+    let stretching = 1e3;
+    let critical = stretching * (1.0 - root(0.9, 1.0, |rho| stretching * (1.0 - rho) - 4.0 / (rho * rho)));
+    for (times, leaves) in [(0.98, false), (1.02, true)] {
+        let compression = times * critical;
+        let text = format!(
+            "{}[[obstacles]]\nname = \"cavity\"\nshape = \"sphere\"\nside = \"inside\"\nradius = 1.06\n\
+             [[stages]]\nramp = {{ obstacle = {{ radius = {:?} }} }}\nsteps = 3\n",
+            RING.replace("planar = true\n", ""),
+            1.0 - compression / stretching + 0.05
+        );
+        let seen = steps(&text);
+        let last = &seen[seen.len() - 1];
+        let bends = last.energies.bending / std::f64::consts::PI - 1.0;
+        assert_eq!(bends > 1e-4, leaves, "{times} of the critical compression: {bends:e}");
+        if !leaves {
+            let force = TAU * compression;
+            verify(
+                "ring in a sphere",
+                "pressure just below buckling",
+                last.obstacle_reactions[0].force,
+                force,
+                1e-3 * force,
+            );
+        }
+    }
+}
+
+#[test]
+fn a_rod_in_a_tube_buckles_to_a_helix() {
+    const RADIUS: f64 = 0.2;
+    let (tube, thickness, twisting) = (0.25, 0.05, 0.8);
+    for turns in [1.0, -0.5] {
+        let text = format!(
+            "[[rods]]\nname = \"rod\"\nshape = {{ kind = \"line\", direction = [0, 0, 1], length = 16.0 }}\n\
+             section = {{ bending = 1.0, twisting = {twisting:?}, stretching = 1e6, shearing = 1e6, \
+             contact_radius = {thickness:?} }}\nelements = 80\n\
+             [[obstacles]]\nname = \"tube\"\nshape = \"cylinder\"\naxis = [0, 0, 1]\nradius = {tube:?}\n\
+             side = \"inside\"\n\
+             [[supports]]\nat = \"start\"\nposition = true\nrotation = true\n\
+             [[supports]]\nat = \"end\"\nposition = true\nrotation = true\n\
+             [[stages]]\nramp = {{ rotation = {{ at = \"end\", axis = [0, 0, 1], turns = {turns:?} }} }}\nsteps = 2\n\
+             [[stages]]\nramp = {{ displacement = {{ at = \"end\", to = [0, 0, -0.5] }} }}\nsteps = 4\n"
+        );
+        let scene = Scene::from_toml(&text, Path::new("")).unwrap();
+        let mut last = None;
+        let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
+            last = Some(observe(progress));
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        let last = last.unwrap();
+        assert_eq!(solution.status, Status::Converged);
+        assert_eq!(last.status, "converged", "{}", last.certificate);
+        let engine = solution.solver.engine();
+        let points = &engine.state().positions;
+        let [.., end] = &last.reactions[..] else { panic!("{:?}", last.reactions) };
+        let (tension, moment) = (end.force[2], end.moment[2]);
+        // the middle third: boundary layers decay by e^(−4π) a pitch
+        let (from, to) = (points.len() * 2 / 5, points.len() * 3 / 5);
+        let angle = |k: usize| points[k].y.atan2(points[k].x);
+        let step = |k: usize| (angle(k + 1) - angle(k) + 1.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
+        let turned: f64 = (from..to).map(step).sum();
+        let pitch = TAU * (points[to].z - points[from].z) / turned;
+        let slope = |b: f64| {
+            let (sin, cos) = b.sin_cos();
+            2.0 * sin.powi(3) * cos / (RADIUS * RADIUS) + tension * sin - moment / RADIUS * (cos - (2.0 * b).cos())
+        };
+        let measured = (TAU * RADIUS / pitch).atan();
+        let angle = root(0.8 * measured, 1.2 * measured, slope);
+        let reference = TAU * RADIUS / angle.tan();
+        verify("rod in a tube", &format!("pitch, {turns} turns"), pitch, reference, 1e-4 * reference.abs());
+        let sin = angle.sin();
+        let wall = sin.powi(4) / RADIUS.powi(3) - moment * sin * (1.0 - angle.cos()) / (RADIUS * RADIUS);
+        let forces = engine.nodal_fields(0).contact_force;
+        let inwards = |k: usize| -forces[k].dot(&points[k]) / points[k].xy().norm();
+        let mean = (from..to).map(inwards).sum::<f64>() / (to - from) as f64;
+        let between = turned / (to - from) as f64;
+        let pressure = mean / (1.0 - between * between / 15.0);
+        verify("rod in a tube", &format!("force of the wall, {turns} turns"), pressure, wall, 1e-4 * wall);
+    }
 }

@@ -1,11 +1,11 @@
 //! Obstacles are drawn as lines: a plane as a grid below the rods, a sphere as circles of latitude and longitude, a cylinder as
-//! circles and straight lines along the rods.
+//! circles and straight lines along the rods. The side that rods are on is seen, so that a ball hides its back and a tube is cut open.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::math::Vec3;
 use crate::math::direction::any_normal;
-use crate::scene::{Obstacle, Skeleton};
+use crate::scene::{Obstacle, ObstaclePose, Skeleton};
 
 /// Squares along the longer side of what lies above a plane, at least, because fewer do not show its slant.
 const SQUARES: f64 = 8.0;
@@ -24,6 +24,26 @@ pub fn lines<'a>(obstacle: &Obstacle, points: impl Iterator<Item = &'a Vec3>) ->
         Skeleton::Point { point } => sphere(point, obstacle.radius),
         Skeleton::Line { point, axis } => cylinder([point, &axis.normalize()], obstacle.radius, points),
     }
+}
+
+/// The same lines where the obstacle is placed.
+pub(in crate::io) fn placed_lines<'a>(
+    obstacle: &Obstacle,
+    placement: &ObstaclePose,
+    points: impl Iterator<Item = &'a Vec3>,
+) -> Vec<[Vec3; 2]> {
+    let (matrix, shift) = obstacle.image(placement);
+    lines(obstacle, points).into_iter().map(|ends| ends.map(|end| matrix * end + shift)).collect()
+}
+
+/// Unit vector to the side of an obstacle that rods are on, in the middle of one of its lines; zero of a plane, which is seen from
+/// both sides.
+pub(in crate::io) fn normal(obstacle: &Obstacle, placement: &ObstaclePose, line: &[Vec3; 2]) -> Vec3 {
+    if obstacle.is_plane() {
+        return Vec3::zeros();
+    }
+    let surface = obstacle.placed(placement);
+    surface.normal(&((line[0] + line[1]) * 0.5 - surface.point()))
 }
 
 /// Lines of a square grid about the points' feet on a plane, one square beyond them.
@@ -136,13 +156,23 @@ mod tests {
         let size = (0.8, Side::Inside);
         for made in [Obstacle::sphere("ball", point, size), Obstacle::cylinder("tube", [point, axis], size)] {
             let obstacle = Obstacle { hinge, ..made };
-            let drawn = lines(&obstacle, points.iter());
-            assert!(drawn.len() > 90, "{}", drawn.len());
             for placement in [obstacle.start(), placement] {
-                let (matrix, shift) = obstacle.image(&placement);
+                let drawn = placed_lines(&obstacle, &placement, points.iter());
+                assert!(drawn.len() > 90, "{}", drawn.len());
                 let surface = obstacle.placed(&placement);
-                for p in drawn.iter().flatten().map(|p| matrix * p + shift) {
+                for p in drawn.iter().flatten() {
                     assert!(surface.distance(&(p - surface.point())).abs() < 1e-12, "{obstacle:?}");
+                }
+                // of a hollow body the far side is seen, of a solid one the near side
+                let eye = Vec3::new(0.1, 0.7, -0.3);
+                let solid = Obstacle { side: Side::Outside, ..obstacle.clone() };
+                for line in &drawn {
+                    let out = (line[0] + line[1]) * 0.5 - surface.point();
+                    let out = surface.skeleton.away(&out).dot(&eye);
+                    if out.abs() > 1e-9 {
+                        assert_eq!(normal(&obstacle, &placement, line).dot(&eye) > 0.0, out < 0.0);
+                        assert_eq!(normal(&solid, &placement, line).dot(&eye) > 0.0, out > 0.0);
+                    }
                 }
             }
         }

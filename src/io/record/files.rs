@@ -43,6 +43,7 @@ const ALL: [&str; 14] = [
 /// Tables whose columns are explained in files of their own.
 const EXPLAINED: [&str; 5] = [TABLE, FINAL_STATE, RESULTANTS, SITES, LINES];
 const STEP: [&str; 2] = ["step_", ".vtp"];
+const OBSTACLES: [&str; 2] = ["obstacles_", ".vtp"];
 
 /// A part of `summary.json` in the folder of a finished run.
 pub(in crate::io) fn read_summary<T: DeserializeOwned>(dir: &Path) -> Result<T, InputError> {
@@ -68,9 +69,20 @@ pub(super) fn of_step(step: usize) -> String {
     format!("{before}{step:04}{after}")
 }
 
-/// The step of a VTK file, by its name.
+/// Name of the VTK file of the obstacles in a step.
+pub(super) fn of_obstacles(step: usize) -> String {
+    let [before, after] = OBSTACLES;
+    format!("{before}{step:04}{after}")
+}
+
+/// The step of a VTK file of rods, by its name.
 pub(in crate::io) fn step_of(name: &str) -> Option<usize> {
-    let number = name.strip_prefix(STEP[0])?.strip_suffix(STEP[1])?;
+    number_in(name, STEP)
+}
+
+/// The number of a file with a name of this kind.
+fn number_in(name: &str, [before, after]: [&str; 2]) -> Option<usize> {
+    let number = name.strip_prefix(before)?.strip_suffix(after)?;
     let ours = number.len() >= 4 && number.bytes().all(|b| b.is_ascii_digit());
     if ours { number.parse().ok() } else { None }
 }
@@ -78,7 +90,9 @@ pub(in crate::io) fn step_of(name: &str) -> Option<usize> {
 /// Removes the files of a record in `dir`, and nothing else.
 pub(super) fn remove_all(dir: &Path) -> Result<(), InputError> {
     let explains = |name: &str| EXPLAINED.iter().any(|table| legend_of(Path::new(table)) == Path::new(name));
-    let is_output = |name: &str| ALL.contains(&name) || step_of(name).is_some() || explains(name);
+    let is_output = |name: &str| {
+        ALL.contains(&name) || [STEP, OBSTACLES].iter().any(|kind| number_in(name, *kind).is_some()) || explains(name)
+    };
     let refuse = |path: &Path, e: std::io::Error| InputError::Write { path: path.to_owned(), reason: e.to_string() };
     for entry in std::fs::read_dir(dir).map_err(|e| refuse(dir, e))? {
         let path = entry.map_err(|e| refuse(dir, e))?.path();

@@ -168,7 +168,7 @@ impl Record {
         let none = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
         let points = frame.rods.iter().flat_map(|rod| &rod.points).map(|point| axes * point);
         // a plane is seen as far as rods are
-        let lines = self.lines(frame, &[frame], |obstacle| !obstacle.is_plane());
+        let lines = self.lines(frame, &[frame], |obstacle, _, _| !obstacle.is_plane());
         points
             .chain(lines.iter().flatten().map(|end| axes * end))
             .fold(none, |[low, high], p| [low.inf(&p.add_scalar(-radius)), high.sup(&p.add_scalar(radius))])
@@ -219,7 +219,11 @@ impl Record {
         };
         let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
         let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };
-        let (spots, lines) = (self.spots(frame), self.lines(frame, all, |_| true));
+        let eye = axes[0].cross(&axes[1]);
+        let seen = |obstacle: &Obstacle, pose: &ObstaclePose, line: &_| {
+            obstacle::normal(obstacle, pose, line).dot(&eye) >= 0.0
+        };
+        let (spots, lines) = (self.spots(frame), self.lines(frame, all, seen));
         TubePicture { tubes, view, spots, lines, ..TubePicture::default() }
     }
 
@@ -233,15 +237,19 @@ impl Record {
     }
 
     /// Lines of the obstacles where they are in this state, along the rods of all frames.
-    fn lines(&self, frame: &Still, all: &[&Still], wanted: impl Fn(&Obstacle) -> bool) -> Vec<[Vec3; 2]> {
+    fn lines(
+        &self,
+        frame: &Still,
+        all: &[&Still],
+        wanted: impl Fn(&Obstacle, &ObstaclePose, &[Vec3; 2]) -> bool,
+    ) -> Vec<[Vec3; 2]> {
         let points = || all.iter().flat_map(|frame| &frame.rods).flat_map(|rod| &rod.points);
-        let placed = self.obstacles.iter().zip(placements(&self.steps[frame.step]));
         let of = |(obstacle, placement): (&Obstacle, ObstaclePose)| {
-            let (matrix, shift) = obstacle.image(&placement);
-            let lines = obstacle::lines(obstacle, points());
-            lines.into_iter().map(move |ends| ends.map(|end| matrix * end + shift))
+            let mut lines = obstacle::placed_lines(obstacle, &placement, points());
+            lines.retain(|line| wanted(obstacle, &placement, line));
+            lines
         };
-        placed.filter(|(obstacle, _)| wanted(obstacle)).flat_map(of).collect()
+        self.obstacles.iter().zip(placements(&self.steps[frame.step])).flat_map(of).collect()
     }
 
     fn write_plot(&self) -> Result<(), InputError> {

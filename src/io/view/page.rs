@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 use crate::error::InputError;
-use crate::io::picture::Stripe;
+use crate::io::picture::{Stripe, obstacle};
 use crate::math::Vec3;
 
 use super::{Film, FilmRod, Frame, Plot, Quantity, STRANDS};
@@ -88,7 +88,8 @@ impl Film {
         let column = |(name, unit): &(String, String)| json!({ "name": name, "unit": unit });
         let line = |(obstacle, ends): (usize, [Vec3; 2])| {
             let [from, to] = ends.map(|end| <[f64; 3]>::from(end - center));
-            json!({ "obstacle": obstacle, "ends": [from, to] })
+            let normal = <[f64; 3]>::from(self.normal_of(obstacle, &ends));
+            json!({ "obstacle": obstacle, "ends": [from, to], "normal": normal })
         };
         let plot = |plot: &Plot| json!({ "x": plot.x, "y": plot.y });
         json!({
@@ -108,6 +109,12 @@ impl Film {
             "rows": self.table.rows,
             "plots": self.plots.iter().map(plot).collect::<Vec<_>>(),
         })
+    }
+
+    /// Normal of an obstacle at the start at one of its lines, see [`obstacle::normal`].
+    fn normal_of(&self, index: usize, line: &[Vec3; 2]) -> Vec3 {
+        let obstacle = &self.obstacles[index];
+        obstacle::normal(obstacle, &obstacle.start(), line)
     }
 
     fn quantity(&self, quantity: Quantity) -> Value {

@@ -131,7 +131,11 @@ mod tests {
             VtkRod::default(),
             VtkRod { points: &line, closed: false, scalars: vec![("twist", values.clone())], vectors: vec![] },
         ];
-        let file = polydata(&rods, &VtkStep { numbers: vec![("link", 7.0)], units: vec![("link", "turns")] });
+        let file = polydata(
+            &rods,
+            &VtkStep { numbers: vec![("link", 7.0)], units: vec![("link", "turns")] },
+            ("rod", &|rod| rod as i64),
+        );
         let read = parse(&file).unwrap();
         assert_eq!(read.iter().map(|r| r.rod).collect::<Vec<_>>(), [0, 2]);
         assert!(read[0].points == ring && read[1].points == line);

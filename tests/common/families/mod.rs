@@ -15,6 +15,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)] // helpers of tests
 
 mod closed;
+mod confined;
 mod curve;
 mod draft;
 mod falling;
@@ -44,7 +45,7 @@ pub struct Family {
 }
 
 /// All families.
-pub const FAMILIES: [Family; 18] = [
+pub const FAMILIES: [Family; 19] = [
     Family { name: "clamped", make: open::clamped },
     Family { name: "paths", make: open::paths },
     Family { name: "tweezers", make: open::tweezers },
@@ -63,6 +64,7 @@ pub const FAMILIES: [Family; 18] = [
     Family { name: "falling", make: falling::falling },
     Family { name: "hanging", make: hanging::hanging },
     Family { name: "along_axes", make: hanging::along_axes },
+    Family { name: "obstacles", make: confined::obstacles },
 ];
 
 /// One scene of a family.

@@ -75,6 +75,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
         &[
             "planar_touch",
             "planes",
+            "obstacles",
             "beams",
             "contact_three_strands",
             "twisted_ring",
