@@ -5,7 +5,6 @@
 
 use crate::error::SolveError;
 use crate::math::Vec3;
-use crate::rod::{Rod, RodNumber};
 use crate::solve::problem::assembly::{Residual, Tangent};
 use crate::solve::problem::engine::{Engine, give_to_masters};
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -176,25 +175,6 @@ impl Engine {
         let mut out = self.residual_of_numbers(state, loads);
         give_to_masters(&mut out.gradient, &self.master);
         out
-    }
-
-    /// ∂ln κ/∂n of the contact stiffness κ, which is made of the rods' numbers, all of these changed by as much.
-    pub(crate) fn slope_of_contact_stiffness(&mut self, rod: usize, which: &[RodNumber]) -> f64 {
-        let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
-        if which.contains(&RodNumber::ContactRadius) {
-            // of several that are as thin, the others stay when one grows
-            let thinnest = |rod: &&Rod| rod.section.contact_radius == radius;
-            let alone = self.model.rods.iter().filter(thinnest).count() == 1;
-            return if alone && thinnest(&&self.model.rods[rod]) { -4.0 / radius } else { 0.0 };
-        }
-        let here = which.iter().map(|&number| self.model.rods[rod].number(number).abs()).fold(0.0, f64::max);
-        let stiffness = |engine: &mut Self, by: f64| {
-            let changed = which.iter().map(|&number| ((rod, number), engine.model.rods[rod].number(number) + by));
-            let numbers = changed.collect();
-            engine.with_numbers(&numbers, Self::contact_stiffness)
-        };
-        let step = 1e-3 * here;
-        if step == 0.0 { 0.0 } else { (stiffness(self, step).ln() - stiffness(self, -step).ln()) / (2.0 * step) }
     }
 }
 
