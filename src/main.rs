@@ -114,6 +114,9 @@ enum Command {
         /// How many.
         #[arg(long, value_name = "N", default_value_t = 6)]
         count: usize,
+        /// Write the swinging modes as this binary glTF file, too.
+        #[arg(long, value_name = "FILE")]
+        glb: Option<PathBuf>,
         #[command(flatten)]
         scene: SceneOfRun,
     },
@@ -320,8 +323,8 @@ pub fn program(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
         Command::View { dir, glb, color, .. } => view(&dir, glb, &color),
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
         Command::Export(what) => export(&what),
-        Command::Modes { dir, count, scene } => ask(&dir, &scene, (count, &[], &[])),
-        Command::Sensitivity { dir, of, to, scene } => ask(&dir, &scene, (0, &of, &to)),
+        Command::Modes { dir, count, glb, scene } => ask(&dir, &scene, (count, &[], &[]), glb.as_deref()),
+        Command::Sensitivity { dir, of, to, scene } => ask(&dir, &scene, (0, &of, &to), None),
         Command::FreeEnergy(runs) => compare(&runs, StateComparison::of_free_energies),
         Command::JFactor(runs) => compare(&runs, StateComparison::of_ends),
         Command::Sweep { command } => command.go(),
@@ -338,13 +341,18 @@ pub fn program(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
     })
 }
 
-/// Asks the tangent at the final state of a run.
-fn ask(dir: &Path, scene: &SceneOfRun, (modes, of, to): (usize, &[String], &[String])) -> Result<u8, InputError> {
+/// Asks the tangent at the final state of a run; the modes into a glTF file, too.
+fn ask(
+    dir: &Path,
+    scene: &SceneOfRun,
+    (modes, of, to): (usize, &[String], &[String]),
+    glb: Option<&Path>,
+) -> Result<u8, InputError> {
     let answer = || -> Result<_, RunError> {
         let FinalState { scene, mut solver } = FinalState::read(dir, scene.file.as_deref())?;
         let answers = Asked::new(&scene, modes, of, to)?.answer(&mut solver)?;
         let text = answers.to_string();
-        Ok((text, Record::write_answers(&scene, dir, snapshots(solver.engine()), answers)?))
+        Ok((text, Record::write_answers(&scene, dir, snapshots(solver.engine()), (answers, glb))?))
     };
     told(answer().map(|(text, written)| {
         say(format_args!("{}", text.trim_end()));

@@ -73,7 +73,9 @@ fn modes_free_energies_and_sensitivities_of_runs() {
         assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
         String::from_utf8_lossy(&out.stdout).into_owned()
     };
-    let asked = said(&["modes", plain.to_str().unwrap(), "--count", "4"]);
+    let glb = plain.join("modes.glb");
+    let asked = said(&["modes", plain.to_str().unwrap(), "--count", "4", "--glb", glb.to_str().unwrap()]);
+    assert!(glb.metadata().unwrap().len() > 1000);
     assert!(printed.contains(asked.lines().nth(2).unwrap()), "{asked}");
     assert!(plain.join("modes.vtp").exists() && plain.join("modes.html").exists());
     let asked = said(&["sensitivity", plain.to_str().unwrap(), "--of", "energy,twist:ring", "--to", "link,twisting"]);

@@ -9,7 +9,7 @@ use super::{Record, RecordedFrame, RodSnapshot, files};
 use crate::error::InputError;
 use crate::io::asked::Answers;
 use crate::io::csv::write_table;
-use crate::io::view::{Film, FilmRod, FilmTable, Frame, FrameRod};
+use crate::io::view::{Film, FilmRod, FilmTable, Frame, FrameRod, GlbOptions};
 use crate::io::vtk::{VtkRod, VtkStep, write_vtp};
 use crate::math::Vec3;
 use crate::scene::Scene;
@@ -49,7 +49,8 @@ const SWING: usize = 16;
 const AMPLITUDE: f64 = 0.08;
 
 impl Record {
-    /// Writes answers for the final state of a run, whose other files stay as they are. Returns their paths.
+    /// Writes answers for the final state of a run, whose other files stay as they are, and with `glb` the modes as a binary
+    /// glTF file. Returns their paths.
     ///
     /// # Errors
     /// [`InputError::Write`] if a file cannot be written.
@@ -57,11 +58,16 @@ impl Record {
         scene: &Scene,
         dir: &Path,
         rods: Vec<RodSnapshot>,
-        answers: Answers,
+        (answers, glb): (Answers, Option<&Path>),
     ) -> Result<Vec<PathBuf>, InputError> {
         let mut record = Self::open(scene, dir)?;
         record.answers = answers;
-        let mut written = record.write_modes(&RecordedFrame { step: 0, rods, sites: Vec::new() })?;
+        let frame = RecordedFrame { step: 0, rods, sites: Vec::new() };
+        let mut written = record.write_modes(&frame)?;
+        if let (Some(file), Some(modes)) = (glb, &record.answers.modes) {
+            record.film_of_modes(&frame, modes).save_glb(file, &GlbOptions::default())?;
+            written.push(file.to_owned());
+        }
         written.extend(record.write_sensitivities()?);
         Ok(written)
     }

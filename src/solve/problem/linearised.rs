@@ -8,6 +8,7 @@ use crate::math::Vec3;
 use crate::solve::problem::assembly::{Residual, Tangent};
 use crate::solve::problem::engine::{Engine, give_to_masters};
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::reduction::Reduction;
 use crate::solve::problem::sliding_constraint::SlidingConstraint;
 pub(crate) use crate::solve::problem::sliding_constraint::dot;
 use crate::solve::problem::state::State;
@@ -130,33 +131,19 @@ impl Linearised {
         tangent.drive
     }
 
+    fn reduction(&self) -> Reduction<'_> {
+        Reduction { pattern: &self.pattern, bases: &self.bases }
+    }
+
     fn product(&self, values: &[f64], motion: &[f64]) -> Vec<f64> {
-        let mut reduced = vec![0.0; self.pattern.num_equations()];
-        for (i, x) in self.bases.resolved(motion).iter().enumerate() {
-            if let Some(equation) = self.pattern.own_equation(i / 6, i % 6) {
-                reduced[equation] = *x;
-            }
-        }
-        let product = self.pattern.multiply(values, &reduced);
-        self.expanded(motion.len(), |node, k| self.pattern.own_equation(node, k).map(|equation| product[equation]))
+        let product = self.pattern.multiply(values, &self.reduction().motion(motion));
+        self.reduction().forces_on_nodes(motion.len(), &product)
     }
 
     fn solve_unconstrained(&mut self, forces: &[f64]) -> Vec<f64> {
-        let mut rhs = vec![0.0; self.pattern.num_equations()];
-        for (i, x) in self.bases.resolved(forces).iter().enumerate() {
-            if let Some(equation) = self.pattern.equation(i / 6, i % 6) {
-                rhs[equation] += x;
-            }
-        }
-        self.factor.solve(&mut rhs);
-        self.expanded(forces.len(), |node, k| self.pattern.equation(node, k).map(|equation| rhs[equation]))
-    }
-
-    /// Six numbers a node about x, y and z from those of the unknowns.
-    fn expanded(&self, len: usize, number: impl Fn(usize, usize) -> Option<f64>) -> Vec<f64> {
-        let mut all: Vec<f64> = (0..len).map(|i| number(i / 6, i % 6).unwrap_or(0.0)).collect();
-        self.bases.compose(&mut all);
-        all
+        let mut reduced = self.reduction().forces(forces);
+        self.factor.solve(&mut reduced);
+        self.reduction().motion_of_nodes(forces.len(), &reduced)
     }
 }
 
