@@ -498,11 +498,13 @@ impl EquilibriumTangent<'_> {
     /// Where derivatives hold on one side: contacts that carry next to nothing, beside others or beside the forces in the
     /// rods, and are about to open.
     pub fn one_sided(&self) -> Vec<String> {
-        let largest = self.contacts.iter().map(|contact| contact.force).fold(self.engine.pressure_scale(), f64::max);
+        let of_rods = self.engine.scales.bending / self.engine.scales.length.powi(2);
+        let largest = self.contacts.iter().map(|contact| contact.force).fold(of_rods, f64::max);
         let weak = self.contacts.iter().filter(|contact| contact.force < WEAK * largest).count();
         let note = || {
             format!(
-                "{weak} contacts carry less than {WEAK:e} of the largest force and are about to open: derivatives hold on the side on which they stay closed"
+                "{weak} contacts carry less than {WEAK:e} of the largest force, or of B/L², and are about to open: \
+                 derivatives hold on the side on which they stay closed"
             )
         };
         if weak > 0 { vec![note()] } else { Vec::new() }
