@@ -130,18 +130,15 @@ fn of_crossed() -> Vec<Observable> {
 fn to_crossed() -> Vec<Varied> {
     let node = NodeRef { rod: 1, node: 0 };
     let moved = PrescribedNumber::Displacement { node, direction: Vec3::z() };
-    let turned = PrescribedNumber::Rotation { node, axis: Vec3::y() };
+    let turned = PrescribedNumber::Rotation { node, axis: Vec3::x() };
     vec![
         number(0, RodNumber::ContactRadius, 0.02, 1e-5),
         number(1, RodNumber::ContactRadius, 0.03, 1e-5),
-        number(0, RodNumber::Bending1, 1.0, 1e-3),
         number(1, RodNumber::Bending2, 1.5, 1e-3),
-        number(1, RodNumber::Twisting, 0.8, 1e-2),
         number(0, RodNumber::Stretching, 1e5, 1e2),
-        number(1, RodNumber::Curvature2, 0.0, 1e-3),
         number(1, RodNumber::Length, 1.0, 1e-5),
         (moved, Box::new(move |by| Ramp::Displacement { node, to: Vec3::z() * (by - 0.05) }), 2e-5),
-        (turned, Box::new(move |by| Ramp::Rotation { node, axis: Vec3::y(), to: by }), 1e-4),
+        (turned, Box::new(move |by| Ramp::Rotation { node, axis: Vec3::x(), to: by }), 1e-4),
     ]
 }
 
@@ -188,27 +185,26 @@ fn cantilever_on_a_post() {
         Observable::Energy,
         Observable::ContactForce,
         Observable::Extension { rod: 0 },
-        Observable::Twist { rod: 0 },
         Observable::Position { node: end, axis: 1 },
         Observable::Reaction { node: NodeRef { rod: 0, node: 0 }, component: 4 },
     ];
     let to = [
         load(1e-3),
-        obstacle(0, ObstacleNumber::Level, 0.1, 1e-5),
-        obstacle(0, ObstacleNumber::Displacement(0), 0.0, 1e-5),
-        obstacle(0, ObstacleNumber::Displacement(2), 0.0, 1e-5),
-        obstacle(0, ObstacleNumber::Turns, 0.0, 1e-5),
-        number(0, RodNumber::ContactRadius, 0.02, 1e-5),
+        obstacle(0, ObstacleNumber::Level, 0.1, 1e-4),
+        obstacle(0, ObstacleNumber::Displacement(0), 0.0, 1e-4),
+        obstacle(0, ObstacleNumber::Displacement(2), 0.0, 1e-4),
+        obstacle(0, ObstacleNumber::Turns, 0.0, 1e-4),
+        number(0, RodNumber::ContactRadius, 0.02, 1e-4),
         number(0, RodNumber::Twist, 0.3, 1e-3),
         number(0, RodNumber::Shearing1, 1e4, 10.0),
-        number(0, RodNumber::Length, 1.0, 1e-5),
+        number(0, RodNumber::Length, 1.0, 1e-4),
     ];
     against_runs("cantilever on a post", &mut solver, (&of, &to), &press_by_load, 1e-6);
 }
 
-/// Two rods joined at a right angle, clamped at one end, on a plane with the other.
+/// Two rods joined at a right angle, clamped at one end, across a bar near the other.
 #[test]
-fn joined_rods_on_a_plane() {
+fn joined_rods_across_a_bar() {
     let section = Section::isotropic(1.0, 0.8, 1e4, 1e4, 0.02);
     let rod = |name: &str, start: Vec3, direction: Vec3| {
         let shape = Shape::Line { start, direction, length: 1.0 };
@@ -221,14 +217,14 @@ fn joined_rods_on_a_plane() {
     let model = Model {
         supports: vec![Support::clamp(node)],
         joints: vec![joint],
-        loads: vec![NodeLoad { node: NodeRef { rod: 1, node: 15 }, force: Vec3::z() * -3.0, moment: Vec3::zeros() }],
+        loads: vec![NodeLoad { node: NodeRef { rod: 1, node: last }, force: Vec3::z() * -2.0, moment: Vec3::zeros() }],
         contact: hard(1e3),
-        obstacles: vec![Obstacle::plane("table", Vec3::z() * -0.2, Vec3::z())],
+        obstacles: vec![Obstacle::cylinder("bar", [Vec3::new(0.0, 0.6, -0.3), Vec3::x()], (0.1, Side::Outside))],
         rods: vec![first, second],
         ..Model::default()
     };
     let mut solver = solver(model);
-    [0.5, 1.0].into_iter().for_each(|to| reach(&mut solver, &[Ramp::Load { to }]));
+    [0.2, 0.5, 1.0].into_iter().for_each(|to| reach(&mut solver, &[Ramp::Load { to }]));
     let of = [
         Observable::Energy,
         Observable::ContactForce,
@@ -238,13 +234,13 @@ fn joined_rods_on_a_plane() {
     let moved = PrescribedNumber::Displacement { node, direction: Vec3::z() };
     let to = [
         load(1e-3),
-        obstacle(0, ObstacleNumber::Level, 0.0, 1e-5),
+        obstacle(0, ObstacleNumber::Level, 0.1, 1e-4),
         number(0, RodNumber::Bending1, 1.0, 1e-3),
         number(1, RodNumber::Twisting, 0.8, 1e-3),
-        number(0, RodNumber::Length, 1.0, 1e-5),
-        (moved, Box::new(move |by| Ramp::Displacement { node, to: Vec3::z() * by }), 1e-5),
+        number(0, RodNumber::Length, 1.0, 1e-4),
+        (moved, Box::new(move |by| Ramp::Displacement { node, to: Vec3::z() * by }), 1e-4),
     ];
-    against_runs("joined rods on a plane", &mut solver, (&of, &to), &press_by_load, 1e-6);
+    against_runs("joined rods across a bar", &mut solver, (&of, &to), &press_by_load, 1e-6);
 }
 
 /// A beam, clamped at the height H over a table, that its load q presses flat on it: a line of contact. It lies from ℓ on,
@@ -279,7 +275,7 @@ fn beam_on_a_table() {
         ("−H dE/dlevel over E", -height * found[1], 1.25 * energy),
         ("B dE/dB over E", found[2], 0.25 * energy),
     ] {
-        verify("beam on a table", name, found / energy, exact / energy, 2e-2);
+        verify("beam on a table", name, found / energy, exact / energy, 5e-4);
     }
 }
 
