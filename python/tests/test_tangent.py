@@ -95,7 +95,7 @@ def test_rows_of_a_table(tmp_path: Path) -> None:
         lines = [f"{k / 5},{(k + 1) / 5},{kappa},0,0.2" for k, kappa in enumerate(curvature)]
         path = tmp_path / "natural.csv"
         path.write_text("\n".join(["from,to,kappa1,kappa2,kappa3", *lines, ""]))
-        rod = Rod(name="rod", shape={"kind": "line", "length": 1.0}, section=SECTION, elements=7, natural=str(path))
+        rod = Rod(name="rod", shape={"kind": "line", "length": 1.0}, section=SECTION, elements=7, natural={"table": str(path)})
         clamp = Support(rod="rod", at="start", position=True, rotation=True)
         return Scene([rod], supports=[clamp]).run().state
 
