@@ -16,11 +16,14 @@ use std::time::Duration;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use console::Term;
 use supercoil::dna::sequence::Sequence;
-use supercoil::io::asked::free_energy_difference;
+use supercoil::io::asked::Asked;
 use supercoil::io::checkpoint::{Checkpoint, FILE_NAME};
+use supercoil::io::comparison::StateComparison;
 use supercoil::io::export::{Formats, base_pairs};
+use supercoil::io::final_state::FinalState;
 use supercoil::io::plot_run::{PLOTTED, RunTable};
-use supercoil::io::run::{Outcome, SceneRun, scene_of};
+use supercoil::io::record::Record;
+use supercoil::io::run::{Outcome, SceneRun, scene_of, snapshots};
 use supercoil::io::schema::scene_schema;
 use supercoil::io::table::StepTable;
 use supercoil::io::view::{self, GlbOptions, Quantity};
@@ -103,17 +106,41 @@ enum Command {
     },
     /// Plot columns of a table of a run as SVG or PDF. A dashed line joins the steps between which the rods snapped.
     Plot(PlotChoice),
-    /// Print the harmonic free energy of a run's final state less that of another run of the same rods on the same mesh. Both
-    /// scenes need `free_energy = true` under `[output]`.
-    FreeEnergy {
+    /// Find the softest modes of a run's final state. Writes modes.vtp for ParaView and modes.html, a page that shows them
+    /// swing. Of rods with masses (density, mass or weight) frequencies.
+    Modes {
         /// Folder of the run.
         dir: PathBuf,
-        /// Folder of the run that it is compared with.
-        reference: PathBuf,
-        /// Thermal energy, F L [default: that of the scene's temperature, where units are nm and pN].
-        #[arg(long = "kT", value_name = "KT")]
-        thermal_energy: Option<f64>,
+        /// How many.
+        #[arg(long, value_name = "N", default_value_t = 6)]
+        count: usize,
+        /// Write the swinging modes as this binary glTF file, too.
+        #[arg(long, value_name = "FILE")]
+        glb: Option<PathBuf>,
+        #[command(flatten)]
+        scene: SceneOfRun,
     },
+    /// Print derivatives of a run's final state, and write them to sensitivities.csv.
+    Sensitivity {
+        /// Folder of the run.
+        dir: PathBuf,
+        /// What is differentiated: energy, contact_force, twist, writhe, extension, seam_moment (of the first rod or
+        /// writhe:NAME); position_x, force_z, moment_y … of a node (force_z:NAME:end).
+        #[arg(long, value_name = "OBSERVABLE", value_delimiter = ',', required = true)]
+        of: Vec<String>,
+        /// With respect to what: load, link, pressure, bending, twisting, contact_radius, length, natural_twist …,
+        /// natural_strains (all rows of a table or a sequence), displacement_x … and rotation_x … of a supported node,
+        /// obstacle_level, obstacle_x …; as sensitivity_to of a scene.
+        #[arg(long, value_name = "PARAMETER", value_delimiter = ',', required = true)]
+        to: Vec<String>,
+        #[command(flatten)]
+        scene: SceneOfRun,
+    },
+    /// Print the harmonic free energy of a run's final state less that of another run of the same rods on the same mesh.
+    FreeEnergy(TwoRuns),
+    /// Print the J-factor of a ring or a loop: the run of the ring (closed), or of the loop between its clamps, and that of the
+    /// same rod on the same mesh with a free end.
+    JFactor(TwoRuns),
     /// Check a scene file without running it.
     Check {
         /// Scene file (TOML).
@@ -160,6 +187,26 @@ enum Command {
 
 fn kinds() -> clap::builder::PossibleValuesParser {
     TEMPLATES.map(|template| clap::builder::PossibleValue::new(template.name).help(template.about)).into()
+}
+
+/// The scene of a finished run.
+#[derive(Args)]
+struct SceneOfRun {
+    /// Where its scene file is now [default: where it was].
+    #[arg(long = "scene", value_name = "FILE")]
+    file: Option<PathBuf>,
+}
+
+/// Two runs that are compared at a temperature.
+#[derive(Args)]
+struct TwoRuns {
+    /// Folder of the run.
+    dir: PathBuf,
+    /// Folder of the run that it is compared with.
+    reference: PathBuf,
+    /// Thermal energy, F L [default: that of the scene's temperature, where units are nm and pN].
+    #[arg(long = "kT", value_name = "KT")]
+    thermal_energy: Option<f64>,
 }
 
 /// Columns of a table to plot.
@@ -276,12 +323,10 @@ pub fn program(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
         Command::View { dir, glb, color, .. } => view(&dir, glb, &color),
         Command::Run { file, out, force, set, choices } => run(&file, &set.set, out, force, &choices),
         Command::Export(what) => export(&what),
-        Command::FreeEnergy { dir, reference, thermal_energy } => {
-            free_energy_difference(&dir, &reference, thermal_energy).map(|found| {
-                say(format_args!("{found}"));
-                CONVERGED
-            })
-        }
+        Command::Modes { dir, count, glb, scene } => ask(&dir, &scene, (count, &[], &[]), glb.as_deref()),
+        Command::Sensitivity { dir, of, to, scene } => ask(&dir, &scene, (0, &of, &to), None),
+        Command::FreeEnergy(runs) => compare(&runs, StateComparison::of_free_energies),
+        Command::JFactor(runs) => compare(&runs, StateComparison::of_ends),
         Command::Sweep { command } => command.go(),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
         Command::Plot(what) => plot(&what),
@@ -294,6 +339,46 @@ pub fn program(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
         eprintln!("error: {error}");
         if let InputError::Write { .. } = error { NOT_WRITTEN } else { BAD_INPUT }
     })
+}
+
+/// Asks the tangent at the final state of a run; the modes into a glTF file, too.
+fn ask(
+    dir: &Path,
+    scene: &SceneOfRun,
+    (modes, of, to): (usize, &[String], &[String]),
+    glb: Option<&Path>,
+) -> Result<u8, InputError> {
+    let answer = || -> Result<_, RunError> {
+        let FinalState { scene, mut solver } = FinalState::read(dir, scene.file.as_deref())?;
+        let answers = Asked::new(&scene, modes, of, to)?.answer(&mut solver)?;
+        let text = answers.to_string();
+        Ok((text, Record::write_answers(&scene, dir, snapshots(solver.engine()), (answers, glb))?))
+    };
+    told(answer().map(|(text, written)| {
+        say(format_args!("{}", text.trim_end()));
+        written.iter().for_each(|path| say(format_args!("{}", path.display())));
+    }))
+}
+
+/// Compares the final states of two runs.
+fn compare(
+    runs: &TwoRuns,
+    how: impl FnOnce([FinalState; 2], Option<f64>) -> Result<StateComparison, RunError>,
+) -> Result<u8, InputError> {
+    let states = || Ok([FinalState::read(&runs.dir, None)?, FinalState::read(&runs.reference, None)?]);
+    told(states().and_then(|states| how(states, runs.thermal_energy)).map(|found| say(format_args!("{found}"))))
+}
+
+/// The exit code of work without steps.
+fn told(result: Result<(), RunError>) -> Result<u8, InputError> {
+    match result {
+        Ok(()) => Ok(CONVERGED),
+        Err(RunError::Input(error)) => Err(error),
+        Err(error) => {
+            eprintln!("error: {error}");
+            Ok(NOT_CONVERGED)
+        }
+    }
 }
 
 fn view(dir: &Path, glb: Option<PathBuf>, color: &str) -> Result<u8, InputError> {

@@ -110,14 +110,14 @@ impl Scene {
                 if !watched {
                     return ControlFlow::Continue(());
                 }
-                let sent = states.send(State::of(progress.engine, observation));
+                let sent = states.send(State::of(progress.engine, observation, scene));
                 // either channel closes when the caller has gone away
                 let go_on = sent.is_ok() && verdicts.recv().unwrap_or(false);
                 if go_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
             };
             let solution = run_from(scene.model.clone(), &scene.stages, &options, None, &mut observer)?;
             // the start state is seen whatever becomes of it
-            let last = steps.last().cloned().map(|last| State::of(solution.solver.engine(), last));
+            let last = steps.last().cloned().map(|last| State::of(solution.solver.engine(), last, scene));
             let status = ending(solution.status, steps.last());
             Ok((last, steps, status, solution.failure))
         };

@@ -3,13 +3,11 @@
 use std::ops::ControlFlow;
 use std::sync::{Mutex, MutexGuard};
 
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use supercoil::io::run::options;
 use supercoil::observe::observe;
 use supercoil::scene;
-use supercoil::solve::{self, FollowOptions, Interrupt, PathPoint, PointKind, Progress, RunError, StepReport};
-use supercoil::tangent::{ContactResponse, EquilibriumTangent, Mode, Observable, PrescribedNumber};
+use supercoil::solve::{self, FollowOptions, Interrupt, PathPoint, PointKind, Progress, StepReport};
 
 use crate::refuse;
 use crate::scene::Scene;
@@ -36,27 +34,6 @@ impl Solver {
     /// A solver in use by another thread is refused rather than waited for.
     fn lock(&self) -> PyResult<MutexGuard<'_, Driven>> {
         self.driven.try_lock().map_err(|_| refuse::damaged("solver", "is in use by another thread, or has panicked"))
-    }
-
-    /// What the tangent at the present state says; before the first step the start shape is settled.
-    fn with_tangent<R: Send>(
-        &self,
-        py: Python,
-        contacts: &str,
-        work: impl FnOnce(&mut EquilibriumTangent) -> Result<R, RunError> + Send,
-    ) -> PyResult<R> {
-        let contacts = match contacts {
-            "law" => ContactResponse::ByLaw,
-            "locked" => ContactResponse::Locked,
-            "free" => ContactResponse::Free,
-            _ => return Err(refuse::damaged("contacts", "is none of \"law\", \"locked\", \"free\"")),
-        };
-        if self.lock()?.report.is_none() {
-            self.step_to(py, None)?;
-        }
-        let mut driven = self.lock()?;
-        let solver = &mut driven.solver;
-        py.detach(|| work(&mut EquilibriumTangent::at(solver, contacts)?)).map_err(refuse::run)
     }
 }
 
@@ -107,7 +84,7 @@ impl Solver {
         let (step, seconds) = (driven.step, driven.seconds);
         py.detach(|| {
             let progress = Progress { given: None, engine, stage: 0, step, fraction: 1.0, report, seconds };
-            Ok(State::of(engine, observe(&progress)))
+            Ok(State::of(engine, observe(&progress), &self.scene))
         })
     }
 
@@ -129,58 +106,17 @@ impl Solver {
             self.step_to(py, None)?;
         }
         let mut driven = self.lock()?;
-        let (driven, interrupt) = (&mut *driven, &self.interrupt);
+        let (driven, interrupt, scene) = (&mut *driven, &self.interrupt, &self.scene);
         let mut points = Vec::new();
         let work = |_: std::sync::mpsc::Sender<()>| {
             driven.solver.follow(&ramp, &options, &mut |point: &PathPoint| {
-                let state = State::of(point.engine(), observe(&point.progress));
+                let state = State::of(point.engine(), observe(&point.progress), scene);
                 points.push((kind(point.kind), point.value, point.num_unstable(), state));
                 if interrupt.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })
         };
         let report = supervised(py, &self.interrupt, work, |()| Ok(()))?.map_err(refuse::input)?;
         Ok((format!("{:?}", report.end), points))
-    }
-
-    /// The softest modes of the present state: eigenvalues over B/L⁴, B/L⁴, shares of stretch, shear, bend and twist, and
-    /// the shapes, six numbers a node.
-    #[allow(clippy::type_complexity)]
-    fn modes<'py>(
-        &self,
-        py: Python<'py>,
-        count: usize,
-        contacts: &str,
-    ) -> PyResult<(Vec<f64>, f64, Vec<[f64; 4]>, Bound<'py, PyArray1<f64>>)> {
-        let modes = self.with_tangent(py, contacts, |tangent| Ok(tangent.modes(count)?))?;
-        let shares = modes.modes.iter().map(|mode| mode.participation).map(|p| [p.stretch, p.shear, p.bend, p.twist]);
-        let nodes = |mode: &Mode| {
-            let both = mode.displacements.iter().zip(&mode.rotations);
-            both.flat_map(|(d, r)| [d.x, d.y, d.z, r.x, r.y, r.z]).collect::<Vec<_>>()
-        };
-        let shapes: Vec<f64> = modes.modes.iter().flat_map(nodes).collect();
-        Ok((modes.eigenvalues().collect(), modes.unit, shares.collect(), PyArray1::from_vec(py, shapes)))
-    }
-
-    /// Derivatives of an observable with respect to parameters, both by name.
-    fn gradient(&self, py: Python, of: &str, to: Vec<String>, contacts: &str) -> PyResult<Vec<f64>> {
-        let model = &self.scene.model;
-        let of = Observable::parse(model, of).map_err(refuse::input)?;
-        let to: Result<Vec<_>, _> = to.iter().map(|name| PrescribedNumber::parse(model, name)).collect();
-        let to = to.map_err(refuse::input)?;
-        self.with_tangent(py, contacts, |tangent| tangent.gradient(&of, &to))
-    }
-
-    /// The harmonic free energy, up to a number that states on one mesh share.
-    fn free_energy(&self, py: Python, thermal_energy: f64, contacts: &str) -> PyResult<f64> {
-        self.with_tangent(py, contacts, |tangent| Ok(tangent.harmonic().free_energy(thermal_energy)?))
-    }
-
-    /// Covariances of observables by name, row by row.
-    fn covariance(&self, py: Python, of: Vec<String>, thermal_energy: f64, contacts: &str) -> PyResult<Vec<Vec<f64>>> {
-        let of: Result<Vec<_>, _> = of.iter().map(|name| Observable::parse(&self.scene.model, name)).collect();
-        let of = of.map_err(refuse::input)?;
-        let found = self.with_tangent(py, contacts, |tangent| tangent.covariance(&of, thermal_energy))?;
-        Ok(found.row_iter().map(|row| row.iter().copied().collect()).collect())
     }
 
     /// Unstable directions of the present state.

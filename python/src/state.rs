@@ -11,7 +11,9 @@ use supercoil::io::record::RodSnapshot;
 use supercoil::math::{Quat, Vec3};
 use supercoil::observe::report::Observation;
 use supercoil::observe::{RodStrains, smoothed_contact_forces, strains};
-use supercoil::solve::{Engine, NodalFields};
+use supercoil::scene;
+use supercoil::solve::{Engine, Equilibrium, NodalFields, Options, RunError};
+use supercoil::tangent::{ContactResponse, EquilibriumTangent, Mode, Observable, PrescribedNumber};
 
 use crate::refuse;
 
@@ -35,14 +37,27 @@ struct Rod {
 
 /// A state. Arrays are copies.
 #[pyclass(frozen, module = "supercoil._supercoil")]
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct State {
     pub observation: Observation,
     rods: Vec<Rod>,
+    /// For the tangent; bytes do not have it.
+    #[serde(skip)]
+    problem: Option<TangentProblem>,
+}
+
+/// What the tangent at a state needs.
+#[derive(Debug)]
+struct TangentProblem {
+    equilibrium: Equilibrium,
+    /// Masses per length, if all rods have one.
+    masses: Option<Vec<f64>>,
+    /// kT where units are nm and pN.
+    thermal_energy: Option<f64>,
 }
 
 impl State {
-    pub fn of(engine: &Engine, observation: Observation) -> Self {
+    pub fn of(engine: &Engine, observation: Observation, scene: &scene::Scene) -> Self {
         let fields = engine.all_nodal_fields();
         let forces = smoothed_contact_forces(engine, &fields);
         let rods = forces.iter().zip(fields).enumerate().map(|(index, (forces, fields))| {
@@ -63,7 +78,46 @@ impl State {
             }
         });
         let rods = rods.collect();
-        Self { observation, rods }
+        let thermal_energy = scene.thermal().map(|(_, thermal_energy)| thermal_energy);
+        let problem = TangentProblem { equilibrium: Equilibrium::of(engine), masses: scene.masses(), thermal_energy };
+        Self { observation, rods, problem: Some(problem) }
+    }
+
+    fn problem(&self) -> PyResult<&TangentProblem> {
+        let reason = "comes from bytes (it was pickled), and its tangent is not in them: ask where it was computed";
+        self.problem.as_ref().ok_or_else(|| refuse::damaged("state", reason))
+    }
+
+    fn thermal_energy(&self, given: Option<f64>) -> PyResult<f64> {
+        let known = given.or(self.problem()?.thermal_energy);
+        known.ok_or_else(|| refuse::damaged("kT", "is not known, because units are not nm and pN: give it"))
+    }
+
+    /// What the tangent says; contact by default as a derivative under the law in force takes it.
+    fn with_tangent<R: Send>(
+        &self,
+        py: Python,
+        contacts: Option<&str>,
+        work: impl FnOnce(&mut EquilibriumTangent) -> Result<R, RunError> + Send,
+    ) -> PyResult<R> {
+        let equilibrium = &self.problem()?.equilibrium;
+        let contacts = match contacts {
+            None => ContactResponse::of_law(equilibrium.model().contact.law),
+            Some("law") => ContactResponse::ByLaw,
+            Some("locked") => ContactResponse::Locked,
+            Some("free") => ContactResponse::Free,
+            Some(_) => return Err(refuse::damaged("contacts", "is none of \"law\", \"locked\", \"free\"")),
+        };
+        let ask = || {
+            let mut solver = equilibrium.solver(Options::default())?;
+            work(&mut EquilibriumTangent::at(&mut solver, contacts)?)
+        };
+        py.detach(ask).map_err(refuse::run)
+    }
+
+    fn observables(&self, names: &[String]) -> PyResult<Vec<Observable>> {
+        let model = self.problem()?.equilibrium.model();
+        names.iter().map(|name| Observable::parse(model, name)).collect::<Result<_, _>>().map_err(refuse::input)
     }
 
     /// All rods as files have them.
@@ -141,6 +195,104 @@ impl State {
 
     fn strain_arc_lengths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_iter(py, self.rods.iter().flat_map(|rod| rod.strains.arc_lengths.iter().copied()))
+    }
+
+    /// The softest modes: eigenvalues over B/L⁴, B/L⁴, frequencies of rods with masses, shares of stretch, shear, bend and
+    /// twist, and the shapes, six numbers a node.
+    #[allow(clippy::type_complexity)]
+    fn modes<'py>(
+        &self,
+        py: Python<'py>,
+        count: usize,
+        contacts: &str,
+    ) -> PyResult<(Vec<f64>, f64, Option<Vec<f64>>, Vec<[f64; 4]>, Bound<'py, PyArray1<f64>>)> {
+        let masses = self.problem()?.masses.clone();
+        let modes = self.with_tangent(py, Some(contacts), |tangent| match &masses {
+            Some(masses) => tangent.vibrations(count, masses),
+            None => Ok(tangent.modes(count)?),
+        })?;
+        let shares = modes.modes.iter().map(|mode| mode.participation).map(|p| [p.stretch, p.shear, p.bend, p.twist]);
+        let nodes = |mode: &Mode| {
+            let both = mode.displacements.iter().zip(&mode.rotations);
+            both.flat_map(|(d, r)| [d.x, d.y, d.z, r.x, r.y, r.z]).collect::<Vec<_>>()
+        };
+        let shapes: Vec<f64> = modes.modes.iter().flat_map(nodes).collect();
+        let shapes = PyArray1::from_vec(py, shapes);
+        Ok((modes.eigenvalues().collect(), modes.unit, modes.frequencies(), shares.collect(), shapes))
+    }
+
+    /// Values of observables and their derivatives with respect to parameters, all by name, row by row.
+    #[allow(clippy::type_complexity)]
+    fn gradient(
+        &self,
+        py: Python,
+        of: Vec<String>,
+        to: Vec<String>,
+        contacts: Option<&str>,
+    ) -> PyResult<(Vec<f64>, Vec<Vec<f64>>)> {
+        let model = self.problem()?.equilibrium.model();
+        let of = self.observables(&of)?;
+        let to: Result<Vec<_>, _> = to.iter().map(|name| PrescribedNumber::parse(model, name)).collect();
+        let to = to.map_err(refuse::input)?;
+        self.with_tangent(py, contacts, |tangent| {
+            let values = of.iter().map(|of| Ok(tangent.value(of)?)).collect::<Result<_, RunError>>()?;
+            let slopes = of.iter().map(|of| tangent.gradient(of, &to)).collect::<Result<_, _>>()?;
+            Ok((values, slopes))
+        })
+    }
+
+    /// Derivatives of an observable with respect to the rows of a table `natural_strains:ROD`; `None` if the name is that of
+    /// another parameter.
+    fn gradient_of_table<'py>(
+        &self,
+        py: Python<'py>,
+        of: &str,
+        to: &str,
+        contacts: Option<&str>,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let table = PrescribedNumber::parse_table(self.problem()?.equilibrium.model(), to).map_err(refuse::input)?;
+        let Some(rod) = table else { return Ok(None) };
+        let of = self.observables(&[of.to_owned()])?;
+        let found = self.with_tangent(py, contacts, |tangent| tangent.gradient_of_table(&of[0], rod))?;
+        rows::<6>(py, found.into_iter().flatten().collect()).map(Some)
+    }
+
+    /// Why derivatives hold on one side only.
+    fn one_sided(&self, py: Python) -> PyResult<Vec<String>> {
+        self.with_tangent(py, None, |tangent| Ok(tangent.one_sided()))
+    }
+
+    /// The harmonic free energy, up to a number that states on one mesh share.
+    fn free_energy(&self, py: Python, thermal_energy: Option<f64>, contacts: &str) -> PyResult<f64> {
+        let thermal_energy = self.thermal_energy(thermal_energy)?;
+        self.with_tangent(py, Some(contacts), |tangent| Ok(tangent.harmonic().free_energy(thermal_energy)?))
+    }
+
+    /// The J-factor, by the state of the same rod with a free end.
+    fn j_factor(&self, py: Python, open: &Self, thermal_energy: Option<f64>, contacts: &str) -> PyResult<f64> {
+        let thermal_energy = self.thermal_energy(thermal_energy)?;
+        let harmonic = |state: &Self| state.with_tangent(py, Some(contacts), |tangent| Ok(tangent.harmonic()));
+        harmonic(self)?.j_factor(&harmonic(open)?, thermal_energy).map_err(refuse::input)
+    }
+
+    /// Covariances of observables by name, row by row.
+    fn covariance(
+        &self,
+        py: Python,
+        of: Vec<String>,
+        thermal_energy: Option<f64>,
+        contacts: &str,
+    ) -> PyResult<Vec<Vec<f64>>> {
+        let thermal_energy = self.thermal_energy(thermal_energy)?;
+        let of = self.observables(&of)?;
+        let found = self.with_tangent(py, Some(contacts), |tangent| tangent.covariance(&of, thermal_energy))?;
+        Ok(found.row_iter().map(|row| row.iter().copied().collect()).collect())
+    }
+
+    /// Deviation of the energy along the softest modes from the quadratic one, over kT/2.
+    fn anharmonicity(&self, py: Python, count: usize, thermal_energy: Option<f64>) -> PyResult<Vec<f64>> {
+        let thermal_energy = self.thermal_energy(thermal_energy)?;
+        self.with_tangent(py, Some("law"), |tangent| tangent.anharmonicity(count, thermal_energy))
     }
 
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {

@@ -3,13 +3,13 @@
 from importlib.metadata import PackageNotFoundError, version
 
 from . import contact, dna
+from ._differentiable import Equilibria
 from ._sweep import SweepPlan, SweepResult, sweep
 from .errors import InputError, SolveError, SupercoilError
 from .scene import (
     EquilibriumPath,
     LineLoad,
     Load,
-    Modes,
     PathPoint,
     Obstacle,
     Plane,
@@ -22,7 +22,7 @@ from .scene import (
     StepReport,
     Support,
 )
-from .state import State
+from .state import Modes, State
 
 try:
     __version__ = version("supercoil")
@@ -30,6 +30,7 @@ except PackageNotFoundError:  # sources that were not installed
     __version__ = "0+unknown"
 
 __all__ = [
+    "Equilibria",
     "EquilibriumPath",
     "InputError",
     "LineLoad",

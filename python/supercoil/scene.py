@@ -730,22 +730,6 @@ class StepReport:
 
 
 @dataclass(frozen=True)
-class Modes:
-    """Softest modes of m shapes over n nodes, ascending."""
-
-    #: (m,) eigenvalues over B/L⁴ of the smallest bending stiffness and the longest rod.
-    eigenvalues: Floats
-    #: B/L⁴ [F/L²].
-    unit: float
-    #: (m, 4) shares of stretch, shear, bend and twist in the elastic energy.
-    participation: Floats
-    #: (m, n, 3) displacements [L]; a shape has the root mean square 1.
-    displacements: Floats
-    #: (m, n, 3) rotation vectors [rad].
-    rotations: Floats
-
-
-@dataclass(frozen=True)
 class PathPoint:
     """A point of a path of equilibria."""
 
@@ -862,38 +846,3 @@ class Solver:
     def num_unstable(self) -> int:
         """Number of unstable directions of the present state."""
         return self._native.num_unstable()
-
-    def modes(self, count: int = 6, *, contacts: str = "law") -> Modes:
-        """The ``count`` softest modes of the present state: shapes (m, n, 3) [L]. ``contacts``: "law", "locked" or "free".
-
-        Raises :class:`InputError` for another word or number, :class:`SolveError` for a state that is not at rest.
-        """
-        eigenvalues, unit, shares, shapes = self._native.modes(count, contacts)
-        nodes = shapes.reshape(len(eigenvalues), -1, 6)
-        return Modes(np.array(eigenvalues), unit, np.array(shares).reshape(-1, 4), nodes[:, :, :3], nodes[:, :, 3:])
-
-    def gradient(self, of: str, to: list[str], *, contacts: str = "locked") -> Floats:
-        """(p,) derivatives of an observable with respect to p parameters, by the adjoint, in its unit over theirs.
-
-        ``of``: "energy", "contact_force", "twist", "writhe", "extension" or "seam_moment"; ``to``: "load", "link",
-        "pressure", "bending", "twisting", "stretching", "shearing", "contact_radius", "length", "natural_curvature_1",
-        … of the first rod, or "bending:name" of another. Gaps that carry force stay closed with "locked", which suits
-        hard contact; ``contacts="law"`` is the derivative under a penalty.
-
-        Raises :class:`InputError` for names that are not there, :class:`SolveError` for a state that is not at rest.
-        """
-        return np.array(self._native.gradient(of, to, contacts))
-
-    def free_energy(self, thermal_energy: float, *, contacts: str = "free") -> float:
-        """The harmonic free energy [F·L] at a ``thermal_energy`` kT [F·L].
-
-        Only differences between states of the same rods on the same mesh mean anything. ``contacts`` "free" and "locked"
-        are its two bounds. Raises :class:`SolveError` for an unstable state.
-        """
-        return self._native.free_energy(thermal_energy, contacts)
-
-    def covariance(self, of: list[str], thermal_energy: float, *, contacts: str = "free") -> Floats:
-        """(n, n) covariances of n observables ``of``, in the product of their units, to leading order in ``thermal_energy`` kT [F·L];
-        ``contacts`` as for :meth:`free_energy`. Raises :class:`InputError` for names that are not there.
-        """
-        return np.array(self._native.covariance(of, thermal_energy, contacts))

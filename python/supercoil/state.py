@@ -6,6 +6,8 @@ import base64
 import html
 import json
 import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,6 +33,24 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     "force_on_a": (3,),
     "feet": (2, 3),
 }
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Softest modes of m shapes over n nodes, ascending."""
+
+    #: (m,) eigenvalues over B/L⁴ of the smallest bending stiffness and the longest rod; of rods with masses ω² over that.
+    eigenvalues: Floats
+    #: B/L⁴ [F/L²].
+    unit: float
+    #: (m,) frequencies of rods with masses [1/T, T² = mass·L/F]; None without.
+    frequencies: Floats | None
+    #: (m, 4) shares of stretch, shear, bend and twist in the elastic energy.
+    participation: Floats
+    #: (m, n, 3) displacements [L]; a shape has the root mean square 1.
+    displacements: Floats
+    #: (m, n, 3) rotation vectors [rad].
+    rotations: Floats
 
 
 class State:
@@ -207,6 +227,65 @@ class State:
     def notes(self) -> list[str]:
         """What to know of the state before believing it, in words."""
         return list(self.observation["notes"])
+
+    def modes(self, count: int = 6, *, contacts: str = "law") -> Modes:
+        """The softest modes. ``contacts``: "law", "locked" or "free", see the page on the tangent of the manual."""
+        eigenvalues, unit, frequencies, shares, shapes = self._native.modes(count, contacts)
+        nodes = shapes.reshape(len(eigenvalues), -1, 6)
+        swings = None if frequencies is None else np.array(frequencies)
+        parts = np.array(shares).reshape(-1, 4)
+        return Modes(np.array(eigenvalues), unit, swings, parts, nodes[:, :, :3], nodes[:, :, 3:])
+
+    def gradient(self, of: str, to: str | Sequence[str], *, contacts: str | None = None) -> Floats:
+        """Derivatives of an observable with respect to parameters, by the adjoint: (n,) of a list, () of one name.
+
+        ``of``: "energy", "contact_force"; "twist", "writhe", "extension", "seam_moment" of the first rod, or
+        "twist:name" of another; "position_x:name:node" …, "force_z:name:end", "moment_y:name:start" … of a support.
+
+        ``to``: "load", "link", "pressure", "bending", "bending_1", "twisting", "stretching", "shearing",
+        "contact_radius", "length", "natural_curvature_1", "natural_twist" …, of the first rod or "bending:name" of
+        another; "displacement_x:name:end", "rotation_y:name:start" … of a support; "obstacle_level", "obstacle_x",
+        "obstacle_turns" … of the first obstacle or "obstacle_level:name". "natural_strains" or "natural_strains:name",
+        by itself: (rows, 6) of the rows of the rod's table, or of the steps of its sequence.
+
+        ``contacts``: by default gaps that carry force stay closed under hard contact, and give under a penalty.
+        """
+        if not isinstance(to, str):
+            return np.array(self._native.gradient([of], list(to), contacts)[1][0])
+        table = self._native.gradient_of_table(of, to, contacts)
+        return np.array(self._native.gradient([of], [to], contacts)[1][0][0]) if table is None else table
+
+    def values_and_gradients(
+        self, of: Sequence[str], to: Sequence[str], *, contacts: str | None = None
+    ) -> tuple[Floats, Floats]:
+        """(m,) values of observables, and (m, n) derivatives with respect to parameters, named as in :meth:`gradient`."""
+        values, slopes = self._native.gradient(list(of), list(to), contacts)
+        return np.array(values), np.array(slopes).reshape(len(values), len(to))
+
+    def one_sided(self) -> list[str]:
+        """Why derivatives hold on one side only: contacts about to open. Empty if they hold on both."""
+        return self._native.one_sided()
+
+    def free_energy(self, kT: float | None = None, *, contacts: str = "free") -> float:
+        """The harmonic free energy [F·L] at kT [F·L], by default that of the scene's temperature (in nm and pN).
+
+        Only differences between states of the same rods on the same mesh mean anything. "free" and "locked" contacts
+        are its two bounds.
+        """
+        return self._native.free_energy(kT, contacts)
+
+    def j_factor(self, open: State, kT: float | None = None, *, contacts: str = "free") -> float:
+        """The J-factor [1/L³] of this ring, or loop between its clamps, by a state of the same rod with a free end."""
+        return self._native.j_factor(open._native, kT, contacts)
+
+    def covariance(self, of: Sequence[str], kT: float | None = None, *, contacts: str = "free") -> Floats:
+        """(n, n) covariances of observables, to leading order in kT."""
+        return np.array(self._native.covariance(list(of), kT, contacts))
+
+    def anharmonicity(self, kT: float | None = None, count: int = 4) -> Floats:
+        """Of the ``count`` softest modes: how far the energy at their thermal amplitude is off the quadratic one, over
+        kT/2. Above 0.5 free energies and covariances are void: the next contact or saddle is as near."""
+        return np.array(self._native.anharmonicity(count, kT))
 
     def save_picture(self, path: str | os.PathLike[str], width: int = 800, height: int = 600) -> None:
         """Draws the rods as tubes, contact glowing, into the PNG file ``path`` of ``width`` times ``height`` pixels.

@@ -9,7 +9,8 @@ NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
 
 def test_all_are_there() -> None:
     names = {path.stem for path in NOTEBOOKS}
-    assert names == {"minicircle", "tweezers_curve", "loop_between_poses", "own_curves", "sweep", "atoms"}
+    of_states = {"minicircle", "tweezers_curve", "loop_between_poses", "own_curves", "sweep", "atoms"}
+    assert names == of_states | {"soft_modes", "topoisomers", "fit", "designed_loop"}
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

@@ -1,23 +1,30 @@
-//! What a scene asks of the tangent at its final state: softest modes, parts of the free energy, sensitivities.
+//! What is requested of the tangent at the final state: softest modes, parts of the free energy, sensitivities.
 
-use std::path::Path;
+use serde::Serialize;
 
-use serde::{Deserialize, Serialize};
-
-use super::record::read_summary;
 use crate::error::InputError;
-use crate::scene::Scene;
+use crate::scene::{Model, Scene};
 use crate::solve::{RunError, Solver};
 use crate::tangent::{ContactResponse, EquilibriumTangent, Harmonic, Modes, Observable, PrescribedNumber};
 
-/// The questions of a scene.
+/// The questions.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Asked {
+pub struct Asked {
     modes: usize,
+    /// Masses per length of the rods, if all have one.
+    densities: Option<Vec<f64>>,
     free_energy: bool,
     of: Vec<(String, Observable)>,
-    to: Vec<(String, PrescribedNumber)>,
+    to: Vec<(String, Towards)>,
     contacts: ContactResponse,
+}
+
+/// What an observable is differentiated with respect to.
+#[derive(Debug, Clone)]
+enum Towards {
+    Number(PrescribedNumber),
+    /// Each natural strain of each row of the table of a rod.
+    Table(usize),
 }
 
 /// The answers.
@@ -29,6 +36,10 @@ pub struct Answers {
     pub harmonic: Option<[Harmonic; 2]>,
     /// Derivatives of each observable with respect to each parameter.
     pub sensitivities: Vec<Sensitivity>,
+    /// The same with respect to rows of tables.
+    pub tables: Vec<TableSensitivity>,
+    /// Where derivatives hold on one side only.
+    pub notes: Vec<String>,
 }
 
 /// A derivative.
@@ -42,21 +53,53 @@ pub struct Sensitivity {
     pub value: f64,
 }
 
+/// Derivatives with respect to the six natural strains of each row of a table, or step of a sequence.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TableSensitivity {
+    /// Name of the observable.
+    pub of: String,
+    /// Name of the table.
+    pub to: String,
+    /// Shape (rows, 6).
+    pub rows: Vec<[f64; 6]>,
+}
+
+impl Towards {
+    fn parse(model: &Model, name: &str) -> Result<Self, InputError> {
+        match PrescribedNumber::parse_table(model, name)? {
+            Some(rod) => Ok(Self::Table(rod)),
+            None => Ok(Self::Number(PrescribedNumber::parse(model, name)?)),
+        }
+    }
+}
+
 impl Asked {
+    /// What a scene asks for.
+    ///
     /// # Errors
     /// Names of observables and parameters that are none.
     pub(super) fn of(scene: &Scene) -> Result<Self, InputError> {
-        let (output, model) = (&scene.output, &scene.model);
+        let output = &scene.output;
+        let free_energy = output.free_energy;
+        Ok(Self { free_energy, ..Self::new(scene, output.modes, &output.sensitivity_of, &output.sensitivity_to)? })
+    }
+
+    /// Modes and sensitivities.
+    ///
+    /// # Errors
+    /// Names of observables and parameters that are none; the one without the other.
+    pub fn new(scene: &Scene, modes: usize, of: &[String], to: &[String]) -> Result<Self, InputError> {
+        let model = &scene.model;
         let observable = |name: &String| Ok((name.clone(), Observable::parse(model, name)?));
-        let parameter = |name: &String| Ok((name.clone(), PrescribedNumber::parse(model, name)?));
-        let (of, to) = (&output.sensitivity_of, &output.sensitivity_to);
+        let parameter = |name: &String| Ok((name.clone(), Towards::parse(model, name)?));
         if of.is_empty() != to.is_empty() {
             let reason = "and sensitivity_to belong together: what is differentiated, and with respect to what";
             return Err(InputError::inconsistent("output.sensitivity_of", reason));
         }
         Ok(Self {
-            modes: output.modes,
-            free_energy: output.free_energy,
+            modes,
+            densities: scene.masses(),
+            free_energy: false,
             of: of.iter().map(observable).collect::<Result<_, InputError>>()?,
             to: to.iter().map(parameter).collect::<Result<_, InputError>>()?,
             contacts: ContactResponse::of_law(model.contact.law),
@@ -64,22 +107,43 @@ impl Asked {
     }
 
     /// The answers at a solver's state.
-    pub(super) fn answer(&self, solver: &mut Solver) -> Result<Answers, RunError> {
+    ///
+    /// # Errors
+    /// As those of [`EquilibriumTangent`].
+    pub fn answer(&self, solver: &mut Solver) -> Result<Answers, RunError> {
         let mut answers = Answers::default();
         if self.modes > 0 {
-            answers.modes = Some(EquilibriumTangent::at(solver, ContactResponse::ByLaw)?.modes(self.modes)?);
+            let mut tangent = EquilibriumTangent::at(solver, ContactResponse::ByLaw)?;
+            answers.modes = Some(match &self.densities {
+                Some(densities) => tangent.vibrations(self.modes, densities)?,
+                None => tangent.modes(self.modes)?,
+            });
         }
         if self.free_energy {
-            let mut harmonic = |contacts| Ok::<_, RunError>(EquilibriumTangent::at(solver, contacts)?.harmonic());
-            answers.harmonic = Some([harmonic(ContactResponse::Free)?, harmonic(ContactResponse::Locked)?]);
+            answers.harmonic = Some(EquilibriumTangent::both_bounds(solver)?);
         }
-        if !self.of.is_empty() {
-            let mut tangent = EquilibriumTangent::at(solver, self.contacts)?;
-            let parameters: Vec<PrescribedNumber> = self.to.iter().map(|(_, parameter)| parameter.clone()).collect();
-            for (of, observable) in &self.of {
-                let values = tangent.gradient(observable, &parameters)?;
-                let rows = self.to.iter().zip(values).map(|((to, _), value)| (to.clone(), value));
-                answers.sensitivities.extend(rows.map(|(to, value)| Sensitivity { of: of.clone(), to, value }));
+        if self.of.is_empty() {
+            return Ok(answers);
+        }
+        let mut tangent = EquilibriumTangent::at(solver, self.contacts)?;
+        answers.notes = tangent.one_sided();
+        let (mut names, mut numbers, mut tables) = (Vec::new(), Vec::new(), Vec::new());
+        for (name, towards) in &self.to {
+            match towards {
+                Towards::Number(number) => {
+                    names.push(name);
+                    numbers.push(number.clone());
+                }
+                Towards::Table(rod) => tables.push((name, *rod)),
+            }
+        }
+        for (of, observable) in &self.of {
+            let values = tangent.gradient(observable, &numbers)?;
+            let named = names.iter().zip(values).map(|(to, value)| ((*to).clone(), value));
+            answers.sensitivities.extend(named.map(|(to, value)| Sensitivity { of: of.clone(), to, value }));
+            for (to, rod) in &tables {
+                let rows = tangent.gradient_of_table(observable, *rod)?;
+                answers.tables.push(TableSensitivity { of: of.clone(), to: (*to).clone(), rows });
             }
         }
         Ok(answers)
@@ -95,83 +159,9 @@ impl std::fmt::Display for Answers {
         for Sensitivity { of, to, value } in &self.sensitivities {
             writeln!(f, "d({of})/d({to}) = {value:.8e}")?;
         }
-        Ok(())
-    }
-}
-
-/// The free energy of the final state of a run less that of another one.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FreeEnergyDifference {
-    /// kT \[F·L\].
-    pub thermal_energy: f64,
-    /// Difference of the potentials \[F·L\].
-    pub potential: f64,
-    /// Difference of the free energies with contacts free \[F·L\].
-    pub free: f64,
-    /// The same with contacts locked; `None` where they are lines.
-    pub locked: Option<f64>,
-}
-
-/// The part of `summary.json`.
-#[derive(Deserialize)]
-struct HarmonicPart {
-    harmonic: Option<[Harmonic; 2]>,
-    thermal: Option<ThermalPart>,
-}
-
-#[derive(Deserialize)]
-struct ThermalPart {
-    #[serde(rename = "kT")]
-    thermal_energy: f64,
-}
-
-/// The free energy of the run in a folder less that of the run in another, at kT \[F·L\] (that of the first run's
-/// temperature unless given).
-///
-/// # Errors
-/// Runs that did not finish, or without `free_energy` in their outputs; units without a temperature and no kT; states
-/// that cannot be compared ([`Harmonic::relative_to`]).
-pub fn free_energy_difference(
-    dir: &Path,
-    reference: &Path,
-    thermal_energy: Option<f64>,
-) -> Result<FreeEnergyDifference, InputError> {
-    let of = |dir: &Path| -> Result<([Harmonic; 2], Option<f64>), InputError> {
-        let summary: HarmonicPart = read_summary(dir)?;
-        let reason =
-            || "has no parts of a free energy: run its scene with free_energy = true under [output]".to_owned();
-        let harmonic = summary.harmonic.ok_or_else(|| InputError::File { path: dir.to_owned(), reason: reason() })?;
-        Ok((harmonic, summary.thermal.map(|thermal| thermal.thermal_energy)))
-    };
-    let ([free, locked], own) = of(dir)?;
-    let ([free_there, locked_there], _) = of(reference)?;
-    let unknown = || InputError::inconsistent("kT", "is not known, because units are not nm and pN: give it");
-    let thermal_energy = thermal_energy.or(own).ok_or_else(unknown)?;
-    Ok(FreeEnergyDifference {
-        thermal_energy,
-        potential: free.potential - free_there.potential,
-        free: free.relative_to(&free_there, thermal_energy)?,
-        locked: locked.relative_to(&locked_there, thermal_energy).ok(),
-    })
-}
-
-impl std::fmt::Display for FreeEnergyDifference {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let kt = self.thermal_energy;
-        write!(
-            f,
-            "in kT = {kt:.6e}: potential {:.4}, free energy {:.4} with free contacts",
-            self.potential / kt,
-            self.free / kt
-        )?;
-        match self.locked {
-            Some(locked) if locked == self.free => Ok(()),
-            Some(locked) => {
-                write!(f, ", {:.4} with locked ones", locked / kt)?;
-                let apart = (locked - self.free).abs() > kt;
-                if apart { write!(f, "\nthe two differ by more than 1 kT: contact matters") } else { Ok(()) }
-            }
-            None => write!(f, "\ncontact along lines: it is not known with locked contacts"),
+        for TableSensitivity { of, to, rows } in &self.tables {
+            writeln!(f, "d({of})/d({to}): {} rows of 6 in sensitivities.csv", rows.len())?;
         }
+        self.notes.iter().try_for_each(|note| writeln!(f, "note: {note}"))
     }
 }

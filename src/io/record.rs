@@ -19,7 +19,7 @@ use crate::scene::{Obstacle, ObstaclePose, Scene, Units};
 use crate::solve::NodalFields;
 use crate::tangent::Harmonic;
 
-use super::asked::{Answers, Sensitivity};
+use super::asked::{Answers, Sensitivity, TableSensitivity};
 use super::csv::{RodState, state_text, write_state};
 use super::detail::{every, within};
 use super::fingerprint::Fingerprint;
@@ -27,7 +27,7 @@ use super::picture::obstacle::placed_lines;
 use super::table::{Columns, Named, ResultantsOf, write_lines, write_resultants, write_sites};
 use super::view;
 use super::vtk::{PvdWriter, VtkRod, VtkStep, write_obstacle_lines, write_vtp};
-pub(super) use files::{BASE_PAIRS, VIEW, check_finished, read_summary, step_of};
+pub(super) use files::{BASE_PAIRS, FINAL_STATE_BITS, VIEW, check_finished, read_summary, step_of};
 use still::Still;
 
 /// Geometry and nodal fields of one rod in one state.
@@ -153,6 +153,8 @@ struct SummaryFile<'a> {
     harmonic: Option<&'a [Harmonic; 2]>,
     #[serde(skip_serializing_if = "<[Sensitivity]>::is_empty")]
     sensitivities: &'a [Sensitivity],
+    #[serde(skip_serializing_if = "<[TableSensitivity]>::is_empty")]
+    table_sensitivities: &'a [TableSensitivity],
     #[serde(skip_serializing_if = "Option::is_none")]
     thermal: Option<Thermal>,
     steps: &'a [Observation],
@@ -210,7 +212,9 @@ pub struct RecordState {
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
 /// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
-/// | `modes.vtp` | if asked for: the softest modes of the final state, at the nodes the displacements `mode_1` … and rotations `mode_1_rotation` …; eigenvalues as field data |
+/// | `final_state.bin` | the final state bit for bit, for `supercoil modes`, `sensitivity`, `free-energy`, `j-factor` |
+/// | `modes.vtp`, `modes.html` | if asked for: the softest modes of the final state, at the nodes the displacements `mode_1` … and rotations `mode_1_rotation` …; eigenvalues as field data; a page that shows them swing |
+/// | `sensitivities.csv` | if asked for: derivatives of observables |
 /// | `view.html` | a page for the browser: the run to turn and to step through (from the `.vtp` files: without them there is none) |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod's changes |
 #[derive(Debug)]
@@ -406,6 +410,7 @@ impl Record {
             self.write_vtk(&last)?;
         }
         self.write_modes(&last)?;
+        self.write_sensitivities()?;
         if self.output.picture {
             self.write_pictures(&last)?;
         }
@@ -455,6 +460,7 @@ impl Record {
             modes: self.answers.modes.as_ref().map(modes::ModesPart::of),
             harmonic: self.answers.harmonic.as_ref(),
             sensitivities: &self.answers.sensitivities,
+            table_sensitivities: &self.answers.tables,
             thermal,
             steps,
         };

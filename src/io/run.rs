@@ -20,7 +20,7 @@ use super::asked::{Answers, Asked};
 use super::checkpoint::{Checkpoint, FILE_NAME};
 use super::fingerprint::Fingerprint;
 use super::folder;
-use super::record::{Record, RodSnapshot};
+use super::record::{FINAL_STATE_BITS, Record, RecordState, RodSnapshot};
 
 /// Result of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -212,7 +212,9 @@ struct FollowedStage<'a> {
 /// Writer of record and checkpoints of a run.
 struct Keeper {
     record: Record,
+    dir: PathBuf,
     path: PathBuf,
+    stages: Vec<Stage>,
     scene: Option<PathBuf>,
     set: Vec<String>,
     fingerprint: Fingerprint,
@@ -239,7 +241,9 @@ impl Keeper {
         let (scene, started) = (&run.scene, Instant::now());
         Self {
             record,
+            dir: run.dir.clone(),
             path: run.dir.join(FILE_NAME),
+            stages: scene.stages.clone(),
             scene: scene.path.clone(),
             set: scene.set.clone(),
             fingerprint: Fingerprint::of(scene),
@@ -330,7 +334,14 @@ impl Keeper {
     /// Writes a checkpoint of the last accepted state, if there is any.
     fn write(&mut self) -> Result<(), InputError> {
         let Some(restart) = &self.latest else { return Ok(()) };
-        let checkpoint = Checkpoint {
+        let checkpoint = self.checkpoint(restart, self.record.state())?;
+        checkpoint.write(&self.path)?;
+        (self.on_disk, self.last) = (true, Instant::now());
+        Ok(())
+    }
+
+    fn checkpoint(&self, restart: &Restart, record: RecordState) -> Result<Checkpoint, InputError> {
+        Ok(Checkpoint {
             nodes: self.record.nodal_state()?,
             program: env!("CARGO_PKG_VERSION").to_owned(),
             scene: self.scene.clone(),
@@ -338,11 +349,13 @@ impl Keeper {
             fingerprint: self.fingerprint,
             seconds: self.elapsed(),
             restart: restart.clone(),
-            record: self.record.state(),
-        };
-        checkpoint.write(&self.path)?;
-        (self.on_disk, self.last) = (true, Instant::now());
-        Ok(())
+            record,
+        })
+    }
+
+    /// Writes the final state for [`FinalState`](super::final_state::FinalState), without the record of the steps.
+    fn write_final(&self, restart: &Restart) -> Result<(), InputError> {
+        self.checkpoint(restart, RecordState::default())?.write(&self.dir.join(FINAL_STATE_BITS))
     }
 
     fn elapsed(&self) -> f64 {
@@ -372,6 +385,9 @@ impl Keeper {
         let answers = ended.map(|solution| self.asked.answer(&mut solution.solver)).transpose();
         if let Ok(Some(answers)) = &answers {
             self.record.set_answers(answers.clone());
+        }
+        if let Some(solution) = result.as_ref().ok().filter(|_| converged) {
+            self.write_final(&solution.restart(&self.stages))?;
         }
         let wanted = result.as_ref().ok().filter(|_| converged && self.estimates);
         let estimated = wanted.map(|solution| observe::estimate_error(&solution.solver)).transpose();
@@ -410,7 +426,8 @@ fn kind_in_words(point: &PathPoint) -> Option<String> {
     }
 }
 
-fn snapshots(engine: &Engine) -> Vec<RodSnapshot> {
+/// Geometry and fields of all rods, for files.
+pub fn snapshots(engine: &Engine) -> Vec<RodSnapshot> {
     let fields = engine.all_nodal_fields();
     let smoothed = smoothed_contact_forces(engine, &fields);
     let snapshot = |(rod, (fields, smoothed_contact_force)): (usize, (NodalFields, Vec<Vec3>))| RodSnapshot {

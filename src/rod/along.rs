@@ -1,7 +1,7 @@
 //! A quantity along a rod: constant, piecewise constant, piecewise linear, or a function.
 
 use std::fmt;
-use std::ops::{Add, Mul};
+use std::ops::{Add, Mul, Range};
 use std::sync::Arc;
 
 use crate::error::InputError;
@@ -176,6 +176,48 @@ impl<T: Averaged> Along<T> {
             (values[k], end - begin)
         };
         Some((first..=last).map(part).collect())
+    }
+
+    /// Number of rows of a table; `None` of a constant or a function.
+    pub(crate) fn num_rows(&self) -> Option<usize> {
+        match &*self.0 {
+            Kind::Pieces(_, values) | Kind::Points(_, values) => Some(values.len()),
+            Kind::Constant(_) | Kind::Function(_) => None,
+        }
+    }
+
+    /// The rows of a table that act between two arc lengths, as a table of their own, and which they are. All of a constant
+    /// or a function, which have none.
+    pub(crate) fn rows_between(&self, from: f64, to: f64) -> (Self, Range<usize>) {
+        match &*self.0 {
+            Kind::Pieces(ends, values) => {
+                let range = piece(ends, from)..piece(ends, to) + 1;
+                let part = Kind::Pieces(ends[range.clone()].to_vec(), values[range.clone()].to_vec());
+                (Self(Arc::new(part)), range)
+            }
+            Kind::Points(arcs, values) => {
+                let last = arcs.len() - 1;
+                let after = |s: f64| arcs.partition_point(|arc| *arc <= s).clamp(1, last);
+                let range = after(from) - 1..after(to) + 1;
+                let part = Kind::Points(arcs[range.clone()].to_vec(), values[range.clone()].to_vec());
+                (Self(Arc::new(part)), range)
+            }
+            Kind::Constant(_) | Kind::Function(_) => (self.clone(), 0..0),
+        }
+    }
+
+    /// The table with a row changed.
+    pub(crate) fn with_row_changed(&self, row: usize, by: &T) -> Self {
+        let changed = |values: &[T]| {
+            let mut values = values.to_vec();
+            values[row] = values[row] + *by;
+            values
+        };
+        match &*self.0 {
+            Kind::Pieces(ends, values) => Self(Arc::new(Kind::Pieces(ends.clone(), changed(values)))),
+            Kind::Points(arcs, values) => Self(Arc::new(Kind::Points(arcs.clone(), changed(values)))),
+            Kind::Constant(_) | Kind::Function(_) => self.clone(),
+        }
     }
 
     /// Mean over a rod of length `length`. The mean of a function is that of samples, accurate enough for scales.

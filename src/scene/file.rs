@@ -83,6 +83,8 @@ pub struct Scene {
     pub units: Units,
     /// Temperature for energies in kT, K; `None` if the file has none.
     pub temperature: Option<f64>,
+    /// Mass per length of each rod that has one \[mass/L\].
+    pub line_densities: Vec<Option<f64>>,
     /// Link of the relaxed molecule, turns, for each rod that is DNA.
     pub relaxed_links: Vec<Option<f64>>,
     /// Base pairs at rest, for each rod that has a sequence.
@@ -160,16 +162,18 @@ pub struct OutputChoice {
     pub checkpoint_seconds: f64,
     /// Whether the error of the final state is estimated, see `observe::estimate_error` in the library.
     pub error_estimate: bool,
-    /// Number of softest modes of the final state, see `tangent::EquilibriumTangent::modes` in the library: `modes.vtp` has their
-    /// shapes, `summary.json` their eigenvalues.
+    /// Number of softest modes of the final state, see `tangent::EquilibriumTangent::modes` in the library: `modes.vtp` and
+    /// `modes.html` have their shapes, `summary.json` their eigenvalues, or frequencies if all rods have a mass.
     pub modes: usize,
-    /// Whether `summary.json` has the parts of the harmonic free energy of the final state, for `supercoil free-energy`.
+    /// Whether `summary.json` has the parts of the harmonic free energy of the final state.
     pub free_energy: bool,
     /// Observables of the final state that are differentiated: `energy`, `contact_force`, `twist`, `writhe`, `extension`,
-    /// `seam_moment`, of the first rod or (`writhe:NAME`) of another; see `tangent::Observable` in the library.
+    /// `seam_moment`, of the first rod or (`writhe:NAME`) of another; `position_x:NAME:NODE`, `force_z:NAME:end` …; see
+    /// `tangent::Observable` in the library.
     pub sensitivity_of: Vec<String>,
     /// What they are differentiated with respect to: `load`, `link`, `pressure`, `bending`, `twisting`, `stretching`,
-    /// `shearing`, `contact_radius`, `length`, `natural_twist` …, of the first rod or (`bending:NAME`) of another; see
+    /// `shearing`, `contact_radius`, `length`, `natural_twist`, `natural_strains` (rows of a table or a sequence) …, of the
+    /// first rod or (`bending:NAME`) of another; `displacement_x:NAME:end`, `obstacle_level` …; see
     /// `tangent::PrescribedNumber` in the library.
     pub sensitivity_to: Vec<String>,
     /// Folder of the files, relative to where the program runs; the command line's `--out` takes precedence.
@@ -325,6 +329,11 @@ impl Default for OutputChoice {
 }
 
 impl Scene {
+    /// Mass per length of each rod \[mass/L\]; `None` unless all have one.
+    pub fn masses(&self) -> Option<Vec<f64>> {
+        self.line_densities.iter().copied().collect::<Option<Vec<f64>>>().filter(|all| !all.is_empty())
+    }
+
     /// Temperature, K, and its thermal energy kT, pN·nm: that of the constants of DNA ([`dna::TEMPERATURE`]) unless the scene
     /// has another; `None` if units are not nm and pN.
     ///
@@ -407,6 +416,8 @@ impl Scene {
             |rod: &text::RodText| rod.dna.as_ref().map(|text| by_base_pairs::Dna::new(text, charged)).transpose();
         let relaxed = text.rods.iter().map(relaxed).collect::<Result<Vec<_>, _>>()?;
         let relaxed_links: Vec<Option<f64>> = relaxed.iter().map(|dna| dna.map(|dna| dna.relaxed_link)).collect();
+        let mass = |(rod, built): (&text::RodText, &crate::rod::Rod)| gravity::line_density(&text, rod, built.length);
+        let line_densities = text.rods.iter().zip(&model.rods).map(mass).collect::<Result<Vec<_>, _>>()?;
         let stages = build::stages(&text.stages, &model, &relaxed_links)?;
         let follow = build::follow(&text.stages, &model, &stages)?;
         let links = text.rods.iter().zip(&model.rods).filter_map(|(text, rod)| advice::start_link(text, rod));
@@ -419,6 +430,7 @@ impl Scene {
             title,
             units,
             temperature,
+            line_densities,
             relaxed_links,
             base_pairs,
             fidelity,

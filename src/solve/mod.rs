@@ -21,8 +21,8 @@ pub use path::continuation::{FollowOptions, FollowReport, PathEnd, PathPoint, Po
 pub use path::failure::{Failure, Overlap, RodPoint, TightBend};
 pub use path::given::Given;
 pub(crate) use path::given::GivenTopology;
-pub use path::restart::{Place, Restart};
-pub use path::run::{Progress, RunError, Solution, Waypoint, run, run_from};
+pub use path::restart::{Equilibrium, Place, Restart};
+pub use path::run::{Progress, RunError, Solution, Waypoint, run, run_from, solver_at};
 pub use problem::engine::Engine;
 pub use problem::fields::NodalFields;
 pub use problem::problem_size::ProblemSize;

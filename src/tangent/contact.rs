@@ -9,13 +9,18 @@
 //! * Along a *line* each point has a pressure of its own. The law's part is all of ∫κ ∂g ∂gᵀ ds.
 //!
 //! *Free* takes the law's part out, *locked* makes it [`HARDER`] times as stiff.
+//!
+//! Under the augmented Lagrangian what stays is the *smallest* gap of a point: its offsets are raised until that is 0. It
+//! differs from the mean gap by the bend of the strands over the zone, of which a force takes 1e-5. Derivatives of
+//! equilibria therefore have a row ∂(smallest gap) and a column b for each point, see [`ClosedPoint`].
 
 use std::collections::BTreeMap;
 
 use crate::contact::chain::chains;
 use crate::contact::law::{Law, shortest_line};
-use crate::contact::potential::second_order::gap_gradients;
+use crate::contact::potential::second_order::{gap_gradient, gap_gradients};
 use crate::contact::potential::surface::{SurfacePiece, surface_runs};
+use crate::math::Vec3;
 use crate::math::groups::Groups;
 use crate::scene::ContactLaw;
 use crate::solve::Engine;
@@ -159,19 +164,87 @@ pub(super) struct GapRate {
     /// ∫κ ds \[F/L\].
     pub(super) stiffness: f64,
     /// The rods of the strands.
-    rods: [Option<usize>; 2],
-    /// The obstacle, and by how much a unit of its level closes the gap: 1 from outside, −1 from inside.
-    surface: Option<(usize, f64)>,
+    pub(super) rods: [Option<usize>; 2],
+    /// The obstacle, if it is the other body.
+    pub(super) surface: Option<PushedBy>,
+    /// Whether it is the mean of a point of contact.
+    pub(super) is_point: bool,
 }
 
-impl GapRate {
-    /// By how much a unit of a parameter that changes gaps closes it, unknowns fixed: a radius of a rod, the level of an
-    /// obstacle.
-    pub(super) fn closing(&self, thicker: Option<usize>, raised: Option<usize>) -> f64 {
-        let strands = self.rods.iter().filter(|rod| rod.is_some() && **rod == thicker).count();
-        let of_surface = self.surface.filter(|(surface, _)| Some(*surface) == raised);
-        strands as f64 + of_surface.map_or(0.0, |(_, closing)| closing)
-    }
+/// An obstacle at a point of contact.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PushedBy {
+    pub(super) obstacle: usize,
+    /// 1 where strands are outside, −1 where they are inside.
+    pub(super) sign: f64,
+    /// Of its surface, towards the strand.
+    pub(super) normal: Vec3,
+    /// \[L\]
+    pub(super) at: Vec3,
+}
+
+/// A point of contact whose smallest gap stays, whatever force that takes. Its force is that of an offset c, which is the
+/// same in the whole zone: with it the linear problem is
+///
+/// ```text
+/// [K  −b] [δx]   [−∂r/∂p]
+/// [aᵀ  0] [δc] = [−∂g/∂p]      a = ∂(smallest gap)/∂x, b = ∫κ ∂gap ds
+/// ```
+#[derive(Debug, Clone)]
+pub(super) struct ClosedPoint {
+    places: Vec<TouchPlace>,
+    pub(super) smallest: NodeVector,
+    pub(super) push: NodeVector,
+    /// ∫κ ds \[F/L\].
+    pub(super) stiffness: f64,
+}
+
+/// The points of contact, by a residual with zones.
+pub(super) fn closed_points(
+    engine: &Engine,
+    contacts: &[Touching],
+    rates: &[Vec<GapRate>],
+    residual: &Residual,
+) -> Vec<ClosedPoint> {
+    let Some(side) = &engine.contact else { return Vec::new() };
+    let of_contact = |(contact, points): (&Touching, &Vec<GapRate>)| {
+        let (_, smallest) = nearest(side, &contact.places, residual)?;
+        let mean = mean(points)?;
+        let push = mean.rate.iter().map(|(node, six)| (*node, six.map(|x| x * mean.stiffness))).collect();
+        Some(ClosedPoint { places: contact.places.clone(), smallest, push, stiffness: mean.stiffness })
+    };
+    contacts.iter().zip(rates).filter(|(contact, _)| contact.is_point).filter_map(of_contact).collect()
+}
+
+/// Smallest gap at some places with its rate, by a residual with zones.
+fn nearest(side: &ContactSide, places: &[TouchPlace], residual: &Residual) -> Option<(f64, NodeVector)> {
+    let is_of = |place: TouchPlace| places.binary_search(&place).is_ok();
+    let pairs = residual.contact_pairs.iter().filter(|term| is_of(pair([term.slave, term.master])));
+    let zones = pairs.flat_map(|term| term.zones.iter().map(move |zone| (term, zone)));
+    let zones = zones.filter(|(_, zone)| !zone.piece.branch.is_subtracted());
+    let strand = zones.min_by(|a, b| a.1.min_gap.total_cmp(&b.1.min_gap)).and_then(|(term, zone)| {
+        let cubics = [term.slave, term.master].map(|segment| &side.set.segments[segment]);
+        let rate = gap_gradient(cubics, [zone.piece.nearest.u, zone.piece.nearest.v])?;
+        Some((zone.min_gap, at_nodes(&side.nodes_of(term), &rate)))
+    });
+    let surfaces = residual.surface_contacts.iter();
+    let surfaces = surfaces.filter(|contact| is_of(TouchPlace::Surface(contact.segment, contact.surface)));
+    let surface = surfaces.min_by(|a, b| a.min_gap().total_cmp(&b.min_gap())).and_then(|contact| {
+        let point = contact.nearest(&side.set, &side.surfaces[contact.surface])?;
+        Some((contact.min_gap(), at_nodes(&side.nodes[contact.segment], &point.gap_gradient)))
+    });
+    strand.into_iter().chain(surface).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// Smallest gaps \[L\] of points of contact in a residual with zones, NaN of one that is no longer near.
+pub(super) fn gaps_of(engine: &Engine, closed: &[ClosedPoint], residual: &Residual) -> Vec<f64> {
+    let smallest = |point: &ClosedPoint| nearest(engine.contact.as_ref()?, &point.places, residual);
+    closed.iter().map(|point| smallest(point).map_or(f64::NAN, |(gap, _)| gap)).collect()
+}
+
+/// Sum of the forces of all contacts \[F\], by a residual with zones.
+pub(super) fn total_force(engine: &Engine, residual: &Residual) -> f64 {
+    engine.contact.as_ref().map_or(0.0, |side| parts(side, residual).iter().map(|part| part.force).sum())
 }
 
 /// [`GapRate`] of the points of each contact, by the residual of the tangent.
@@ -189,16 +262,16 @@ pub(super) fn gap_rates(engine: &Engine, contacts: &[Touching], residual: &Resid
         let cubics = segments.map(|segment| &side.set.segments[segment]);
         rates[contact].extend(gap_gradients(term, cubics).map(|(rate, stiffness)| {
             let rate = at_nodes(&nodes, &rate);
-            GapRate { rate, stiffness, rods: segments.map(rod), surface: None }
+            GapRate { rate, stiffness, rods: segments.map(rod), surface: None, is_point: false }
         }));
     }
     for contact in &residual.surface_contacts {
         let Some(&index) = owner.get(&TouchPlace::Surface(contact.segment, contact.surface)) else { continue };
         let (surface, nodes) = (&side.surfaces[contact.surface], side.nodes[contact.segment]);
-        rates[index].extend(contact.gap_gradients(&side.set).map(|(rate, stiffness)| {
-            let rate = at_nodes(&nodes, &rate);
-            let surface = Some((contact.surface, surface.sign));
-            GapRate { rate, stiffness, rods: [rod(contact.segment), None], surface }
+        rates[index].extend(contact.gap_gradients(&side.set).map(|(point, stiffness)| {
+            let rate = at_nodes(&nodes, &point.gap_gradient);
+            let by = PushedBy { obstacle: contact.surface, sign: surface.sign, normal: point.normal, at: point.at };
+            GapRate { rate, stiffness, rods: [rod(contact.segment), None], surface: Some(by), is_point: false }
         }));
     }
     rates
@@ -218,7 +291,13 @@ fn mean(points: &[GapRate]) -> Option<GapRate> {
             (0..6).for_each(|k| own[k] += point.stiffness / stiffness * six[k]);
         }
     }
-    Some(GapRate { rate: sum.into_iter().collect(), stiffness, ..points.first()?.clone() })
+    let mut all = points.first()?.clone();
+    if let Some(by) = &mut all.surface {
+        let pushes = points.iter().filter_map(|point| Some((point.stiffness / stiffness, point.surface?)));
+        let zero = (Vec3::zeros(), Vec3::zeros());
+        (by.normal, by.at) = pushes.fold(zero, |(n, x), (w, push)| (n + push.normal * w, x + push.at * w));
+    }
+    Some(GapRate { rate: sum.into_iter().collect(), stiffness, is_point: true, ..all })
 }
 
 /// What locking or freeing adds to the law's response.

@@ -29,7 +29,10 @@ use super::{ContactResponse, EquilibriumTangent, Observable, contact};
 use crate::error::InputError;
 use crate::solve::problem::linearised::dot;
 use crate::solve::problem::zero_energy::Generator;
-use crate::solve::{Engine, RunError};
+use crate::solve::{Engine, RunError, Solver};
+
+/// Unknowns of a node.
+const END: usize = 6;
 
 /// The parts of the harmonic free energy of a state.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,9 +104,43 @@ impl Harmonic {
         }
         Ok(self.free_energy(thermal_energy)? - other.free_energy(thermal_energy)?)
     }
+
+    /// The J-factor \[1/L³\]: this state has the ends of a rod where they are (a ring, a loop between clamps), the other
+    /// one is the same rod with a free end. J is the concentration of free ends that would be found there as often, at any
+    /// orientation that is as probable:
+    ///
+    /// ```text
+    /// J = 8π² Z(closed)/Z(open)        Z = exp(−F/kT)
+    /// ```
+    ///
+    /// Of a ring it is that of one topoisomer; the sum over the links that matter is the ring's. Both are on the same mesh.
+    ///
+    /// # Errors
+    /// As [`Harmonic::free_energy`]; states that do not differ by the six unknowns of an end.
+    pub fn j_factor(&self, open: &Self, thermal_energy: f64) -> Result<f64, InputError> {
+        if self.num_unknowns + END != open.num_unknowns || self.num_unnamed + open.num_unnamed > 0 {
+            let reason = format!(
+                "has {} unknowns, the open one {}: it is to have six fewer, those of the end that is held, and no \
+                 zero-energy modes without a name",
+                self.num_unknowns, open.num_unknowns
+            );
+            return Err(InputError::inconsistent("closed", reason));
+        }
+        let ratio = (open.free_energy(thermal_energy)? - self.free_energy(thermal_energy)?) / thermal_energy;
+        Ok(8.0 * PI * PI * ratio.exp())
+    }
 }
 
 impl EquilibriumTangent<'_> {
+    /// The parts of the harmonic free energy at a solver's state, with contacts free and locked.
+    ///
+    /// # Errors
+    /// As [`EquilibriumTangent::at`].
+    pub fn both_bounds(solver: &mut Solver) -> Result<[Harmonic; 2], RunError> {
+        let mut harmonic = |contacts| Ok::<_, RunError>(EquilibriumTangent::at(solver, contacts)?.harmonic());
+        Ok([harmonic(ContactResponse::Free)?, harmonic(ContactResponse::Locked)?])
+    }
+
     /// The parts of the harmonic free energy, from the pivots of the factor.
     #[must_use]
     pub fn harmonic(&self) -> Harmonic {

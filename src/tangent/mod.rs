@@ -8,6 +8,8 @@
 //! | `free_energy` | [`EquilibriumTangent::harmonic`], [`EquilibriumTangent::covariance`]: the Gaussian integral about the equilibrium |
 //! | `observables` | [`Observable`]: numbers of a state and their gradients |
 //! | `sensitivity` | [`EquilibriumTangent::gradient`]: their derivatives with respect to what is prescribed, [`PrescribedNumber`] |
+//! | `tables` | [`EquilibriumTangent::gradient_of_table`]: the same with respect to each row of a table, each step of a sequence |
+//! | `validity` | [`EquilibriumTangent::anharmonicity`]: how far harmonic terms hold |
 //! | `krylov` | the softest eigenvalues of a pencil: block Lanczos on the inverse |
 //!
 //! Zero-energy modes (rigid motions of free bodies, spin of round rods, sliding of uniform rings) are no modes here:
@@ -20,14 +22,18 @@ mod masses;
 mod modes;
 mod observables;
 mod sensitivity;
+mod tables;
+mod validity;
 
 pub use contact::ContactResponse;
 pub use free_energy::{Harmonic, ZeroMode};
 pub use modes::{Mode, Modes, Participation};
 pub use observables::Observable;
 pub use sensitivity::PrescribedNumber;
+pub use validity::VOID;
 
-use contact::{GapRate, Touching};
+use contact::{ClosedPoint, GapRate, Touching};
+use sensitivity::ClosedResponses;
 
 use crate::error::{InputError, SolveError};
 use crate::scene::Model;
@@ -42,6 +48,9 @@ pub struct EquilibriumTangent<'a> {
     contacts: Vec<Touching>,
     rates: Vec<Vec<GapRate>>,
     choice: ContactResponse,
+    /// Points of contact that stay closed, of [`ContactResponse::Locked`].
+    closed: Vec<ClosedPoint>,
+    responses: Option<ClosedResponses>,
 }
 
 impl<'a> EquilibriumTangent<'a> {
@@ -59,7 +68,8 @@ impl<'a> EquilibriumTangent<'a> {
         let engine = &mut solver.engine;
         let state = engine.state().clone();
         engine.update_contact(&state)?;
-        let contacts = contact::contacts(engine, &engine.residual(&state));
+        let zones = engine.residual(&state);
+        let contacts = contact::contacts(engine, &zones);
         let coupled = if choice == ContactResponse::ByLaw { Vec::new() } else { contact::coupled(engine, &contacts) };
         let mut rates = Vec::new();
         let linearised = Linearised::at(engine, &coupled, |engine, residual| {
@@ -67,7 +77,11 @@ impl<'a> EquilibriumTangent<'a> {
             let changes = contact::changes(choice, &contacts, &rates);
             changes.into_iter().map(|change| (change.rate, change.stiffness)).collect()
         })?;
-        Ok(Self { engine, linearised, contacts, rates, choice })
+        let closed = match choice {
+            ContactResponse::Locked => contact::closed_points(engine, &contacts, &rates, &zones),
+            ContactResponse::ByLaw | ContactResponse::Free => Vec::new(),
+        };
+        Ok(Self { engine, linearised, contacts, rates, choice, closed, responses: None })
     }
 
     /// The model.

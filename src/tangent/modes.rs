@@ -7,7 +7,7 @@ use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
 use crate::rod::element::Strain;
 use crate::solve::problem::linearised::{Linearised, dot};
-use crate::solve::{Engine, RunError, State};
+use crate::solve::{Engine, RunError};
 
 /// Step of the strains' central difference along a mode, over the shape's largest rotation (rad) and displacement
 /// (over a node spacing), because strains are quadratic in it and 1e-4 leaves eight digits.
@@ -54,12 +54,20 @@ pub struct Modes {
     pub num_unstable: usize,
     /// Motions that cost nothing, which are left out.
     pub num_zero_energy: usize,
+    /// Whether rods have masses: eigenvalues are ω² \[1/T²\].
+    pub has_masses: bool,
     /// The modes.
     pub modes: Vec<Mode>,
 }
 
 impl Modes {
-    /// Eigenvalues over B/L⁴.
+    /// Frequencies \[1/T\], of rods with masses; NaN of unstable modes.
+    #[must_use]
+    pub fn frequencies(&self) -> Option<Vec<f64>> {
+        self.has_masses.then(|| self.modes.iter().map(Mode::frequency).collect())
+    }
+
+    /// Eigenvalues over B/L⁴, of rods with masses ω² over B/L⁴ of unit density.
     pub fn eigenvalues(&self) -> impl Iterator<Item = f64> + '_ {
         self.modes.iter().map(|mode| mode.eigenvalue / self.unit)
     }
@@ -68,9 +76,15 @@ impl Modes {
 impl std::fmt::Display for Modes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { num_zero_energy, unit, .. } = self;
-        write!(f, "softest modes, over B/L⁴ = {unit:.4e} ({num_zero_energy} motions that cost nothing left out)")?;
-        write!(f, "\n     eigenvalue   stretch   shear    bend   twist")?;
-        for (k, (mode, eigenvalue)) in self.modes.iter().zip(self.eigenvalues()).enumerate() {
+        let numbers: Vec<f64> = self.frequencies().unwrap_or_else(|| self.eigenvalues().collect());
+        let kind = if self.has_masses { "frequency" } else { "eigenvalue" };
+        match self.has_masses {
+            true => write!(f, "softest modes, frequencies")?,
+            false => write!(f, "softest modes, over B/L⁴ = {unit:.4e}")?,
+        }
+        write!(f, " ({num_zero_energy} motions that cost nothing left out)")?;
+        write!(f, "\n     {kind:>10}   stretch   shear    bend   twist")?;
+        for (k, (mode, eigenvalue)) in self.modes.iter().zip(numbers).enumerate() {
             let Participation { stretch, shear, bend, twist } = mode.participation;
             write!(f, "\n{:3} {eigenvalue:11.4e}   {stretch:7.4} {shear:7.4} {bend:7.4} {twist:7.4}", k + 1)?;
         }
@@ -93,7 +107,7 @@ impl EquilibriumTangent<'_> {
     /// # Errors
     /// `SolveError::Eigenvalues` if they do not converge.
     pub fn modes(&mut self, count: usize) -> Result<Modes, SolveError> {
-        self.softest(count, &vec![1.0; self.engine.model().rods.len()])
+        self.softest(count, (&vec![1.0; self.engine.model().rods.len()], false))
     }
 
     /// The `count` lowest vibrations without damping of rods of these masses per length \[F·T²/L²\], one a rod:
@@ -110,10 +124,10 @@ impl EquilibriumTangent<'_> {
         for (rod, density) in densities.iter().enumerate() {
             InputError::positive(&format!("densities.{rod}"), *density)?;
         }
-        Ok(self.softest(count, densities)?)
+        Ok(self.softest(count, (densities, true))?)
     }
 
-    fn softest(&mut self, count: usize, densities: &[f64]) -> Result<Modes, SolveError> {
+    fn softest(&mut self, count: usize, (densities, has_masses): (&[f64], bool)) -> Result<Modes, SolveError> {
         let (engine, num_unstable): (&Engine, _) = (&*self.engine, self.num_unstable());
         let masses = Masses::of(engine, densities);
         let held = held_motions(engine, &masses, &self.linearised.zero_energy);
@@ -134,6 +148,7 @@ impl EquilibriumTangent<'_> {
             unit: engine.scales.bending / engine.scales.length.powi(4),
             num_unstable,
             num_zero_energy: self.linearised.zero_energy.len(),
+            has_masses,
             modes: pairs.into_iter().map(mode).collect(),
         })
     }
@@ -199,16 +214,25 @@ impl Pencil for Shapes<'_> {
     }
 }
 
-/// Shares of the elastic energy, by central differences of strains along the shape.
-fn participation(engine: &Engine, shape: &[f64]) -> Participation {
+/// Rates of the strains of all elements along a motion, by central differences.
+pub(super) fn strains_along(engine: &Engine, motion: &[f64]) -> Vec<[Strain; 3]> {
     let spacing = engine.scales.lever;
     let size = |(i, x): (usize, &f64)| if i % 6 < 3 { x.abs() / spacing } else { x.abs() };
-    let largest = shape.iter().enumerate().map(size).fold(f64::MIN_POSITIVE, f64::max);
-    let moved = |sign: f64| engine.retract(engine.state(), shape, sign * STEP / largest);
-    let [after, before] = [moved(1.0), moved(-1.0)];
+    let largest = motion.iter().enumerate().map(size).fold(f64::MIN_POSITIVE, f64::max);
+    let step = STEP / largest;
+    let [after, before] = [step, -step].map(|t| engine.retract(engine.state(), motion, t));
+    let of_element = |e: usize| {
+        let [after, before] = [&after, &before].map(|state| engine.element_strain(e, state));
+        std::array::from_fn(|g| std::array::from_fn(|i| (after[g][i] - before[g][i]) / (2.0 * step)))
+    };
+    (0..engine.elements.len()).map(of_element).collect()
+}
+
+/// Shares of the elastic energy along a shape.
+fn participation(engine: &Engine, shape: &[f64]) -> Participation {
     let mut energy = [0.0; 4];
-    for e in 0..engine.elements.len() {
-        add_energies(engine, e, [&after, &before], &mut energy);
+    for (e, rates) in strains_along(engine, shape).iter().enumerate() {
+        add_energies(engine, e, rates, &mut energy);
     }
     let sum = energy.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let [stretch, shear, bend, twist] = energy.map(|part| part / sum);
@@ -216,13 +240,12 @@ fn participation(engine: &Engine, shape: &[f64]) -> Participation {
 }
 
 /// Adds Δε·CΔε of an element by kinds: stretch, shear, bend, twist.
-fn add_energies(engine: &Engine, e: usize, [after, before]: [&State; 2], energy: &mut [f64; 4]) {
+fn add_energies(engine: &Engine, e: usize, rates: &[Strain; 3], energy: &mut [f64; 4]) {
     const KINDS: [usize; 6] = [1, 1, 0, 2, 2, 3];
     let body = engine.body(e);
-    let [after, before] = [after, before].map(|state| engine.element_strain(e, state));
     for (g, weight) in body.table.rule.weights.iter().enumerate() {
-        let change: Strain = std::array::from_fn(|i| after[g][i] - before[g][i]);
-        let stress = body.material.stress(g, &change);
+        let change = &rates[g];
+        let stress = body.material.stress(g, change);
         for (i, kind) in KINDS.into_iter().enumerate() {
             energy[kind] += weight * body.length * stress[i] * change[i];
         }

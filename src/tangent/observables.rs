@@ -54,12 +54,22 @@ pub enum Observable {
 }
 
 impl Observable {
-    /// From a name: `energy`, `contact_force`, or one of `twist`, `writhe`, `extension`, `seam_moment`, of the first
-    /// rod or, after a colon, of the rod of a name (`writhe:ring`).
+    /// From a name: `energy`, `contact_force`; `twist`, `writhe`, `extension`, `seam_moment` of the first rod or, after a
+    /// colon, of the rod of a name (`writhe:ring`); `position_x`, `position_y`, `position_z` of a node, `force_x`,
+    /// `force_y`, `force_z`, `moment_x`, `moment_y`, `moment_z` of the support of a node, after the rod
+    /// (`force_z:rod:end`: `start`, `end` or its index).
     ///
     /// # Errors
     /// Another name.
     pub fn parse(model: &Model, text: &str) -> Result<Self, InputError> {
+        let name = text.split(':').next().unwrap_or(text);
+        let axis = |prefix: &str| "xyz".find(name.strip_prefix(prefix)?).filter(|_| name.len() == prefix.len() + 1);
+        if let Some(axis) = axis("position_") {
+            return Ok(Self::Position { node: of_node(model, text)?, axis });
+        }
+        if let Some(component) = axis("force_").or_else(|| Some(3 + axis("moment_")?)) {
+            return Ok(Self::Reaction { node: of_node(model, text)?, component });
+        }
         let (name, rod) = of_rod(model, text)?;
         Ok(match name {
             "energy" => Self::Energy,
@@ -69,7 +79,10 @@ impl Observable {
             "extension" => Self::Extension { rod },
             "seam_moment" => Self::SeamMoment { rod },
             _ => {
-                let allowed = "energy, contact_force, twist, writhe, extension, seam_moment".to_owned();
+                let allowed =
+                    "energy, contact_force, twist, writhe, extension, seam_moment, position_x (y, z), force_x \
+                               (y, z), moment_x (y, z)"
+                        .to_owned();
                 return Err(InputError::Name { field: "of".to_owned(), name: name.to_owned(), allowed });
             }
         })
@@ -91,6 +104,23 @@ impl Observable {
         let reason = "is no number of this model: twist is that of rods in space, writhe and seam moment are those of \
                       closed rods, extension is that of open ones";
         if fits { Ok(()) } else { Err(InputError::inconsistent(format!("{self:?}"), reason)) }
+    }
+
+    /// Its rate with the offset of a point of contact that stays closed, unknowns fixed.
+    pub(super) fn by_offset(&self, engine: &Engine, point: &contact::ClosedPoint) -> f64 {
+        match self {
+            Self::ContactForce => point.stiffness,
+            Self::Reaction { node, component } => {
+                let at = engine.index(*node);
+                -point.push.iter().filter(|(node, _)| *node == at).map(|(_, six)| six[*component]).sum::<f64>()
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Whether its value depends on numbers of rods and loads at fixed unknowns, besides what contact and reactions do.
+    pub(super) fn depends_on_numbers(&self) -> bool {
+        matches!(self, Self::Energy | Self::SeamMoment { .. } | Self::Twist { .. } | Self::Writhe { .. })
     }
 
     /// Value at a state that differs from the engine's in what is prescribed alone, without what depends on contact.
@@ -118,6 +148,21 @@ pub(super) fn of_rod<'a>(model: &Model, text: &'a str) -> Result<(&'a str, usize
     let allowed = || model.rods.iter().map(|rod| rod.name.as_str()).collect::<Vec<_>>().join(", ");
     let refuse = || InputError::Name { field: "rod".to_owned(), name: rod.to_owned(), allowed: allowed() };
     Ok((name, index.ok_or_else(refuse)?))
+}
+
+/// The node of a name such as `force_z:rod:end`: `start`, `end` or its index, after the rod.
+pub(super) fn of_node(model: &Model, text: &str) -> Result<NodeRef, InputError> {
+    let (rest, node) = text.rsplit_once(':').unwrap_or((text, ""));
+    let (_, rod) = of_rod(model, rest)?;
+    let count = model.rods.get(rod).map_or(0, crate::rod::Rod::num_nodes);
+    let index = match node {
+        "start" => Some(0),
+        "end" => count.checked_sub(1),
+        index => index.parse().ok().filter(|index| *index < count),
+    };
+    let allowed = || "start, end, or the index of a node, after the rod: name:rod:end".to_owned();
+    let refuse = || InputError::Name { field: "node".to_owned(), name: node.to_owned(), allowed: allowed() };
+    Ok(NodeRef { rod, node: index.ok_or_else(refuse)? })
 }
 
 fn twist(engine: &Engine, state: &State, rod: usize) -> f64 {
@@ -172,7 +217,8 @@ impl EquilibriumTangent<'_> {
     pub(super) fn gradient_of(&mut self, of: &Observable) -> Result<Vec<f64>, RunError> {
         of.check(self.engine)?;
         let state = self.engine.state().clone();
-        let index = |node: &NodeRef| self.engine.first_node[node.rod] + node.node;
+        let engine = &*self.engine;
+        let index = |node: &NodeRef| engine.index(*node);
         let mut out = vec![0.0; 6 * self.engine.num_nodes()];
         match of {
             Observable::Energy => return Ok(self.engine.elastic_residual(&state).gradient),
@@ -192,13 +238,12 @@ impl EquilibriumTangent<'_> {
             Observable::Position { node, axis } => out[6 * index(node) + axis] = 1.0,
             Observable::SeamMoment { rod } => {
                 // M = ∂Π/∂seam, so that ∂M/∂x = ∂²Π/∂x∂seam
-                let rate = self.rate(&super::PrescribedNumber::Link { rod: *rod })?;
-                return Ok(rate.into_iter().map(|x| x / TAU).collect());
+                return Ok(self.rate_of_link(*rod)?.into_iter().map(|x| x / TAU).collect());
             }
             Observable::Reaction { node, component } => {
                 let mut unit = [Vec3::zeros(); 2];
                 unit[component / 3][component % 3] = 1.0;
-                return Ok(self.linearised.driven(self.engine, (index(node), unit[0], unit[1])));
+                return Ok(self.driven((index(node), unit[0], unit[1])));
             }
             Observable::ContactForce => {
                 for gap in contact::responses(self.choice, &self.contacts, &self.rates) {

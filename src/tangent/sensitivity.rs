@@ -1,33 +1,44 @@
 //! Sensitivities: dq/dp of observables q with respect to what is prescribed, p, by the adjoint.
 //!
 //! ```text
-//! K δx + ∂r/∂p δp = 0        dq/dp = ∂q/∂p − λ·∂r/∂p,  K λ = ∂q/∂x
+//! K δx − b δc + ∂r/∂p δp = 0        aᵀ δx + ∂g/∂p δp = 0
+//! K λ + a ν = ∂q/∂x                 −bᵀ λ = ∂q/∂c
+//! dq/dp = ∂q/∂p − λ·∂r/∂p − ν·∂g/∂p
 //! ```
 //!
 //! One solve an observable gives its derivatives with respect to any number of parameters. r is the gradient of the
-//! potential. K is that of the chosen [`ContactResponse`]: [`ContactResponse::Locked`] differentiates the equilibrium under hard
-//! contact, gaps with force staying closed; [`ContactResponse::ByLaw`] that under a penalty. Where a contact is about to
-//! open or to close, the derivative holds on one side.
+//! potential, K the tangent of the chosen [`ContactResponse`]. [`ContactResponse::Locked`] differentiates the equilibrium
+//! under hard contact: each point of contact has a row a and a column b, see [`ClosedPoint`](super::contact::ClosedPoint);
+//! along lines every gap with force stays closed. [`ContactResponse::ByLaw`] differentiates that under a penalty, without
+//! rows and columns. Where a contact is about to open or to close, the derivative holds on one side.
 //!
-//! ∂r/∂p and ∂q/∂p at fixed unknowns are central differences of fourth order of exact residuals, in which dead loads
-//! and stiffnesses are linear; motions of supports are columns of the tangent; radii and obstacles change gaps by as
-//! much as they move.
+//! ∂r/∂p, ∂g/∂p and ∂q/∂p at fixed unknowns are central differences of fourth order of the exact residual, contact under
+//! the law included; motions of supports are columns of the tangent.
 
 use std::f64::consts::TAU;
 
-use super::observables::{Observable, of_rod};
+use nalgebra::{DMatrix, DVector};
+
+use super::contact::GapRate;
+use super::observables::{Observable, of_node, of_rod};
 use super::{ContactResponse, EquilibriumTangent, contact};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::RodNumber;
 use crate::scene::model::unit;
-use crate::scene::{ContactLaw, Model, NodeRef};
+use crate::scene::{Model, NodeRef, ObstacleNumber};
 use crate::solve::problem::engine::{Engine, give_to_masters};
 use crate::solve::problem::linearised::dot;
 use crate::solve::{RunError, State};
 
 /// Relative step of numbers of rods: residuals are linear or quadratic in them.
 const STEP: f64 = 1e-3;
+/// The same of a length where strands touch, because it moves the contact curve, and of a radius or an obstacle over the
+/// overlap of the weakest contact: a force goes as the overlap to the power 3/2, whose difference of fourth order is then
+/// right to 1e-9.
+const STEP_OF_GAPS: f64 = 1e-2;
+/// Force of a contact, over the largest, below which it is about to open: a per mille change of what is prescribed may do.
+const WEAK: f64 = 1e-3;
 /// Step of links, turns: the fourth-order difference is exact to 1e-11, and rounding of stiff stretch divided by it
 /// is 1e-12.
 const TURN_STEP: f64 = 3e-4;
@@ -54,10 +65,12 @@ pub enum PrescribedNumber {
         /// Rod index.
         rod: usize,
     },
-    /// Level of an obstacle \[L\]: the height of a plane along its normal, the radius of others.
-    Level {
+    /// A number of an obstacle: the level is the height of a plane along its normal, and the radius of others.
+    Obstacle {
         /// Obstacle index.
         obstacle: usize,
+        /// The number.
+        which: ObstacleNumber,
     },
     /// Displacement of a supported node along a direction \[L\].
     Displacement {
@@ -76,17 +89,37 @@ pub enum PrescribedNumber {
 }
 
 impl PrescribedNumber {
-    /// From a name: `load`, or one of `bending`, `bending_1`, `bending_2`, `twisting`, `stretching`, `shearing`,
-    /// `contact_radius`, `length`, `natural_curvature_1`, `natural_curvature_2`, `natural_twist`, `link`, `pressure`,
-    /// of the first rod or, after a colon, of the rod of a name.
+    /// From a name: `load`; `link`, `pressure`, `bending`, `bending_1`, `bending_2`, `twisting`, `stretching`, `shearing`,
+    /// `shearing_1`, `shearing_2`, `contact_radius`, `length`, `natural_curvature_1`, `natural_curvature_2`,
+    /// `natural_twist`, `binding` of the first rod or, after a colon, of the rod of a name (`bending:ring`);
+    /// `displacement_x`, `displacement_y`, `displacement_z`, `rotation_x`, `rotation_y`, `rotation_z` of a supported node,
+    /// after the rod (`displacement_z:rod:end`: `start`, `end` or its index); `obstacle_level`, `obstacle_x`,
+    /// `obstacle_y`, `obstacle_z`, `obstacle_turns` of the first obstacle or of that of a name.
     ///
     /// # Errors
     /// Another name.
     pub fn parse(model: &Model, text: &str) -> Result<Self, InputError> {
         use RodNumber::{
-            Bending1, Bending2, ContactRadius, Curvature1, Curvature2, Length, Shearing1, Shearing2, Stretching, Twist,
-            Twisting,
+            Bending1, Bending2, Binding, ContactRadius, Curvature1, Curvature2, Length, Shearing1, Shearing2,
+            Stretching, Twist, Twisting,
         };
+        let name = text.split(':').next().unwrap_or(text);
+        let axis = |prefix: &str| "xyz".find(name.strip_prefix(prefix)?).filter(|_| name.len() == prefix.len() + 1);
+        let unit_vector = |k: usize| Vec3::ith(k, 1.0);
+        if let Some(k) = axis("displacement_") {
+            return Ok(Self::Displacement { node: of_node(model, text)?, direction: unit_vector(k) });
+        }
+        if let Some(k) = axis("rotation_") {
+            return Ok(Self::Rotation { node: of_node(model, text)?, axis: unit_vector(k) });
+        }
+        let of_obstacle = match name {
+            "obstacle_level" => Some(ObstacleNumber::Level),
+            "obstacle_turns" => Some(ObstacleNumber::Turns),
+            _ => axis("obstacle_").map(ObstacleNumber::Displacement),
+        };
+        if let Some(which) = of_obstacle {
+            return Ok(Self::Obstacle { obstacle: obstacle_of(model, text)?, which });
+        }
         let (name, rod) = of_rod(model, text)?;
         let which: &[RodNumber] = match name {
             "load" => return Ok(Self::Load),
@@ -107,16 +140,31 @@ impl PrescribedNumber {
                     &[Curvature1],
                     &[Curvature2],
                     &[Twist],
+                    &[Binding],
                 ];
                 let found = single.into_iter().find(|number| number[0].name() == name);
                 let allowed = "load, link, pressure, bending, bending_1, bending_2, twisting, stretching, shearing, \
-                               contact_radius, length, natural_curvature_1, natural_curvature_2, natural_twist";
+                               shearing_1, shearing_2, contact_radius, length, natural_curvature_1, \
+                               natural_curvature_2, natural_twist, binding, displacement_x (y, z), rotation_x (y, z), \
+                               obstacle_level, obstacle_x (y, z), obstacle_turns";
                 let refuse =
                     || InputError::Name { field: "to".to_owned(), name: name.to_owned(), allowed: allowed.to_owned() };
                 found.ok_or_else(refuse)?
             }
         };
         Ok(Self::Number { rod, which: which.to_vec() })
+    }
+
+    /// The rod of `natural_strains`, or of that and a name after a colon; `None` for another name.
+    ///
+    /// # Errors
+    /// A rod that is not there.
+    pub fn parse_table(model: &Model, text: &str) -> Result<Option<usize>, InputError> {
+        let (name, rest) = text.split_once(':').unwrap_or((text, ""));
+        if name != "natural_strains" {
+            return Ok(None);
+        }
+        if rest.is_empty() { Ok(Some(0)) } else { Ok(Some(of_rod(model, text)?.1)) }
     }
 
     /// Refuses what is not there, and numbers that ramps refuse.
@@ -130,7 +178,10 @@ impl PrescribedNumber {
             Self::Number { rod, which } => !which.is_empty() && closed(*rod).is_some(),
             Self::Pressure { rod } => closed(*rod) == Some(true) && model.planar,
             Self::Link { rod } => closed(*rod) == Some(true) && !model.planar,
-            Self::Level { obstacle } => *obstacle < model.obstacles.len(),
+            Self::Obstacle { obstacle, which } => model.obstacles.get(*obstacle).is_some_and(|body| {
+                let turns = *which == ObstacleNumber::Turns;
+                (!turns || body.hinge.is_some()) && !(model.planar && *which == ObstacleNumber::Displacement(2))
+            }),
             Self::Displacement { node, direction: way } | Self::Rotation { node, axis: way } => {
                 is_node(node) && is_way(way)
             }
@@ -142,13 +193,6 @@ impl PrescribedNumber {
             for number in which {
                 let rod = &model.rods[*rod];
                 rod.check_number(number.name(), *number, rod.number(*number))?;
-            }
-            let is_gap = which.contains(&RodNumber::ContactRadius) && which.len() > 1;
-            let is_length =
-                which.contains(&RodNumber::Length) && engine.contact.as_ref().is_some_and(|side| side.is_near());
-            if is_gap || is_length {
-                let reason = "a contact radius is differentiated alone, a length only where nothing is near contact";
-                return Err(InputError::inconsistent(format!("{self:?}"), reason));
             }
         }
         Ok(())
@@ -165,21 +209,59 @@ impl PrescribedNumber {
             Self::Load => state.load_factor += by,
             Self::Pressure { rod } => state.pressures[*rod] += by,
             Self::Link { rod } => state.seams[*rod] += TAU * by,
-            Self::Level { .. } | Self::Displacement { .. } | Self::Rotation { .. } => {}
+            Self::Obstacle { obstacle, which } => {
+                let placement = &mut state.placements[*obstacle];
+                placement.set(*which, placement.get(*which) + by);
+            }
+            Self::Displacement { .. } | Self::Rotation { .. } => {}
         }
         state
     }
 
-    fn step(&self, engine: &Engine) -> f64 {
+    /// Whether it changes gaps or the contact law at fixed unknowns.
+    fn touches(&self) -> bool {
+        use RodNumber::{Bending1, Bending2, ContactRadius, Length};
+        match self {
+            Self::Number { which, .. } => {
+                which.iter().any(|number| matches!(number, ContactRadius | Length | Bending1 | Bending2))
+            }
+            Self::Obstacle { .. } => true,
+            _ => false,
+        }
+    }
+
+    /// Whether elements and loads are linear in it: stiffnesses, natural strains, loads.
+    fn is_linear(&self) -> bool {
+        match self {
+            Self::Number { which, .. } => which
+                .iter()
+                .all(|number| !matches!(number, RodNumber::ContactRadius | RodNumber::Length | RodNumber::Binding)),
+            Self::Load | Self::Pressure { .. } => true,
+            _ => false,
+        }
+    }
+
+    /// Step of differences; `overlap` of the weakest contact \[L\], if there is any.
+    fn step(&self, engine: &Engine, overlap: Option<f64>) -> f64 {
+        let near = overlap.map(|overlap| STEP_OF_GAPS * overlap);
         match self {
             Self::Number { rod, which } => {
                 let rod = &engine.model().rods[*rod];
                 let size = which.iter().map(|&number| rod.number(number).abs()).fold(0.0, f64::max);
-                STEP * if size > 0.0 { size } else { 1.0 / rod.length }
+                let step = match (&which[..], near) {
+                    ([RodNumber::ContactRadius], Some(near)) => return near,
+                    ([RodNumber::Length], Some(_)) => STEP_OF_GAPS * STEP,
+                    _ => STEP,
+                };
+                if size > 0.0 { step * size } else { step / rod.length }
             }
             Self::Load => 1.0,
             Self::Pressure { .. } => engine.scales.bending / engine.scales.length.powi(3),
-            _ => TURN_STEP,
+            Self::Obstacle { which: ObstacleNumber::Turns, .. } => {
+                near.map_or(TURN_STEP, |near| near / engine.scales.length)
+            }
+            Self::Obstacle { .. } => near.unwrap_or(STEP * engine.scales.lever),
+            Self::Link { .. } | Self::Displacement { .. } | Self::Rotation { .. } => TURN_STEP,
         }
     }
 
@@ -193,18 +275,36 @@ impl PrescribedNumber {
         }
     }
 
-    /// The rod whose radius it is, or the obstacle whose level.
-    fn closes(&self) -> (Option<usize>, Option<usize>) {
+    /// By how much a unit of it closes a gap, unknowns fixed.
+    fn closing(&self, engine: &Engine, gap: &GapRate) -> f64 {
         match self {
-            Self::Number { rod, which } if which[..] == [RodNumber::ContactRadius] => (Some(*rod), None),
-            Self::Level { obstacle } => (None, Some(*obstacle)),
-            _ => (None, None),
+            Self::Number { rod, which } if which[..] == [RodNumber::ContactRadius] => {
+                gap.rods.iter().filter(|own| **own == Some(*rod)).count() as f64
+            }
+            Self::Obstacle { obstacle, which } => {
+                let Some(push) = gap.surface.filter(|push| push.obstacle == *obstacle) else { return 0.0 };
+                let hinge = engine.model().obstacles[*obstacle].hinge;
+                match (which, hinge) {
+                    (ObstacleNumber::Level, _) => push.sign,
+                    (ObstacleNumber::Displacement(k), _) => push.normal[*k],
+                    (ObstacleNumber::Turns, Some(hinge)) => {
+                        let arm = push.at - engine.state().placements[*obstacle].displacement - hinge.through;
+                        TAU * unit(&hinge.axis).dot(&arm.cross(&push.normal))
+                    }
+                    (ObstacleNumber::Turns, None) => 0.0,
+                }
+            }
+            _ => 0.0,
         }
     }
+}
 
-    fn changes_gaps(&self) -> bool {
-        self.closes() != (None, None)
-    }
+/// The obstacle after the colon of a name; the first one without.
+fn obstacle_of(model: &Model, text: &str) -> Result<usize, InputError> {
+    let name = text.split_once(':').map_or("", |(_, name)| name);
+    let index = model.obstacles.iter().position(|own| name.is_empty() || own.name == name);
+    let allowed = || model.obstacles.iter().map(|own| own.name.as_str()).collect::<Vec<_>>().join(", ");
+    index.ok_or_else(|| InputError::Name { field: "obstacle".to_owned(), name: name.to_owned(), allowed: allowed() })
 }
 
 /// A central difference of fourth order of numbers.
@@ -213,102 +313,263 @@ fn difference(step: f64, mut at: impl FnMut(f64) -> Vec<f64>) -> Vec<f64> {
     (0..a.len()).map(|i| (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * step)).collect()
 }
 
+/// Rates per unit of a parameter at fixed unknowns and offsets.
+#[derive(Default)]
+struct Rate {
+    /// Of the gradient of the potential.
+    forces: Vec<f64>,
+    /// Of the smallest gaps of [`ClosedPoint`](super::contact::ClosedPoint)s.
+    gaps: Vec<f64>,
+    /// Of the sum of the forces of contacts.
+    contact_force: f64,
+    /// Of the observable, if it is neither a reaction nor the contact force.
+    value: f64,
+}
+
+/// The adjoint of an observable.
+pub(super) struct Adjoint {
+    /// ∂q/∂x.
+    pub(super) gradient: Vec<f64>,
+    /// λ.
+    pub(super) motion: Vec<f64>,
+    /// ν.
+    pub(super) gaps: Vec<f64>,
+}
+
+/// K⁻¹a of the points of contact that stay closed, and the matrix bᵀK⁻¹a.
+#[derive(Debug)]
+pub(super) struct ClosedResponses {
+    responses: Vec<Vec<f64>>,
+    matrix: DMatrix<f64>,
+}
+
 impl EquilibriumTangent<'_> {
     /// dq/dp for each parameter.
     ///
     /// # Errors
-    /// Observables and parameters that the model does not have; a contact radius that varies, a length where there is
-    /// contact.
+    /// Observables and parameters that the model does not have; a length where lines of contact are locked.
     pub fn gradient(&mut self, of: &Observable, to: &[PrescribedNumber]) -> Result<Vec<f64>, RunError> {
-        self.check_contact_force(of)?;
-        let gradient = self.gradient_of(of)?;
-        let adjoint = self.linearised.solve(&gradient);
-        let mut all = Vec::new();
+        let adjoint = self.adjoint(of)?;
+        let (mut all, mut here) = (Vec::new(), None);
         for parameter in to {
-            let rate = self.rate(parameter)?;
-            all.push(self.explicit(of, parameter, &gradient)? - dot(&adjoint, &rate));
+            let rate = self.rate(parameter, Some(of), &mut here)?;
+            let explicit = self.explicit(of, parameter, (&adjoint, &rate))?;
+            all.push(explicit - dot(&adjoint.motion, &rate.forces) - dot(&adjoint.gaps, &rate.gaps));
         }
         Ok(all)
     }
 
-    /// ∂r/∂p at fixed unknowns.
-    pub(super) fn rate(&mut self, parameter: &PrescribedNumber) -> Result<Vec<f64>, RunError> {
+    pub(super) fn adjoint(&mut self, of: &Observable) -> Result<Adjoint, RunError> {
+        self.check_contact_force(of)?;
+        let gradient = self.gradient_of(of)?;
+        let mut motion = self.linearised.solve(&gradient);
+        if self.closed.is_empty() {
+            return Ok(Adjoint { gradient, motion, gaps: Vec::new() });
+        }
+        let count = self.closed.len();
+        let by_offset: Vec<f64> = self.closed.iter().map(|point| of.by_offset(self.engine, point)).collect();
+        let rhs = DVector::from_fn(count, |k, _| self.closed[k].push_along(&motion) + by_offset[k]);
+        let responses = self.responses.take().unwrap_or_else(|| self.closed_responses());
+        let gaps = responses.matrix.clone().lu().solve(&rhs);
+        let gaps = gaps.ok_or_else(|| InputError::inconsistent("contact", "has points that depend on each other"))?;
+        for (response, gap) in responses.responses.iter().zip(&gaps) {
+            motion.iter_mut().zip(response).for_each(|(x, a)| *x -= gap * a);
+        }
+        // all observables share them
+        self.responses = Some(responses);
+        Ok(Adjoint { gradient, motion, gaps: gaps.iter().copied().collect() })
+    }
+
+    fn closed_responses(&mut self) -> ClosedResponses {
+        let mut responses = Vec::new();
+        for point in &self.closed {
+            let mut forces = vec![0.0; 6 * self.engine.num_nodes()];
+            for (node, six) in &point.smallest {
+                (0..6).for_each(|k| forces[6 * node + k] += six[k]);
+            }
+            give_to_masters(&mut forces, &self.engine.master);
+            responses.push(self.linearised.solve(&forces));
+        }
+        let count = self.closed.len();
+        let matrix = DMatrix::from_fn(count, count, |j, k| self.closed[j].push_along(&responses[k]));
+        ClosedResponses { responses, matrix }
+    }
+
+    /// Rates at fixed unknowns, with that of an observable if there is any. `here` keeps the gradient of the potential without
+    /// contact from one parameter to the next.
+    fn rate(
+        &mut self,
+        parameter: &PrescribedNumber,
+        of: Option<&Observable>,
+        here: &mut Option<Vec<f64>>,
+    ) -> Result<Rate, RunError> {
         parameter.check(self.engine)?;
         if let Some(motion) = parameter.motion(self.engine) {
-            return Ok(self.linearised.driven(self.engine, motion));
+            let gaps = self.closed.iter().map(|point| along(&point.smallest, motion)).collect();
+            return Ok(Rate { forces: self.driven(motion), gaps, ..Rate::default() });
         }
-        if parameter.changes_gaps() {
-            let mut rate = self.rate_of_gaps(parameter);
-            self.add_stiffening(parameter, &mut rate);
-            return Ok(rate);
+        let of = of.filter(|of| !matches!(of, Observable::Reaction { .. } | Observable::ContactForce));
+        let touches = parameter.touches() && self.engine.contact.as_ref().is_some_and(|side| side.is_near());
+        let locks_lines = self.choice == ContactResponse::Locked && self.contacts.iter().any(|c| !c.is_point);
+        let is_length =
+            matches!(parameter, PrescribedNumber::Number { which, .. } if which.contains(&RodNumber::Length));
+        if is_length && locks_lines {
+            let reason = "cannot be differentiated by where lines of contact are locked: it moves them along the rod";
+            return Err(InputError::inconsistent("length", reason).into());
         }
-        let step = parameter.step(self.engine);
+        if parameter.is_linear() && !touches {
+            return Ok(self.linear_rate(parameter, of, here));
+        }
+        let step = parameter.step(self.engine, self.weakest_overlap());
+        let (num_closed, closed) = (self.closed.len(), &self.closed);
         let engine = &mut *self.engine;
-        let mut rate = difference(step, |by| {
+        let mut failed: Option<RunError> = None;
+        let mut sums = difference(step, |by| {
             let state = parameter.changed(engine, by);
-            engine.residual_without_contact(&state).gradient
+            let value = of.map_or(0.0, |of| of.value(engine, &state));
+            let with_contact = |engine: &Engine| {
+                let residual = engine.residual(&state);
+                let force = contact::total_force(engine, &residual);
+                let mut all = residual.gradient.clone();
+                all.extend(contact::gaps_of(engine, closed, &residual));
+                all.push(force);
+                all
+            };
+            let found = match touches {
+                true => engine.at_state(&state, with_contact).map_err(RunError::from).and_then(|all| Ok(all?)),
+                false => Ok(engine.residual_without_contact(&state).gradient),
+            };
+            let mut all = found.unwrap_or_else(|error| {
+                failed = Some(error);
+                Vec::new()
+            });
+            all.resize(6 * engine.num_nodes() + num_closed + 1, 0.0);
+            all.push(value);
+            all
         });
-        self.add_stiffening(parameter, &mut rate);
+        if let Some(error) = failed {
+            return Err(error);
+        }
+        let value = sums.pop().unwrap_or_default();
+        let contact_force = sums.pop().unwrap_or_default();
+        let gaps = sums.split_off(6 * self.engine.num_nodes());
+        let mut rate = Rate { forces: sums, gaps, contact_force, value };
+        self.add_changes(parameter, &mut rate);
         Ok(rate)
     }
 
-    /// Forces of contact where gaps close by themselves.
-    fn rate_of_gaps(&self, parameter: &PrescribedNumber) -> Vec<f64> {
-        let (thicker, raised) = parameter.closes();
-        let mut out = vec![0.0; 6 * self.engine.num_nodes()];
-        for gap in contact::responses(self.choice, &self.contacts, &self.rates) {
-            let force = -gap.stiffness * gap.closing(thicker, raised);
+    /// Rates with respect to what elements and loads are linear in: one residual each.
+    fn linear_rate(
+        &mut self,
+        parameter: &PrescribedNumber,
+        of: Option<&Observable>,
+        here: &mut Option<Vec<f64>>,
+    ) -> Rate {
+        let engine = &mut *self.engine;
+        let step = parameter.step(engine, None);
+        let state = engine.state().clone();
+        let here = here.get_or_insert_with(|| engine.residual_without_contact(&state).gradient);
+        let there = engine.residual_without_contact(&parameter.changed(engine, step / STEP)).gradient;
+        let forces = here.iter().zip(&there).map(|(here, there)| (there - here) / (step / STEP)).collect();
+        let value = of
+            .filter(|of| of.depends_on_numbers())
+            .map_or(0.0, |of| difference(step, |by| vec![of.value(engine, &parameter.changed(engine, by))])[0]);
+        Rate { forces, gaps: vec![0.0; self.closed.len()], contact_force: 0.0, value }
+    }
+
+    /// What the changes of the chosen response add to rates by the law: of points that stay closed nothing, because their
+    /// offsets take it up.
+    fn add_changes(&self, parameter: &PrescribedNumber, rate: &mut Rate) {
+        let mut forces = vec![0.0; rate.forces.len()];
+        for gap in contact::changes(self.choice, &self.contacts, &self.rates) {
+            if gap.is_point && !self.closed.is_empty() {
+                continue;
+            }
+            let force = gap.stiffness * parameter.closing(self.engine, &gap);
+            rate.contact_force += force;
             for (node, six) in &gap.rate {
-                (0..6).for_each(|k| out[6 * node + k] += force * six[k]);
+                (0..6).for_each(|k| forces[6 * node + k] -= force * six[k]);
             }
         }
-        give_to_masters(&mut out, &self.engine.master);
-        out
+        give_to_masters(&mut forces, &self.engine.master);
+        rate.forces.iter_mut().zip(&forces).for_each(|(sum, force)| *sum += force);
     }
 
-    /// ∂ln κ/∂p: a penalty κε⁴/B changes with the stiffness and the radius of the rods.
-    fn stiffening(&mut self, parameter: &PrescribedNumber) -> f64 {
-        let is_penalty = matches!(self.engine.model().contact.law, ContactLaw::Penalty { .. });
-        match parameter {
-            PrescribedNumber::Number { rod, which } if is_penalty && self.choice == ContactResponse::ByLaw => {
-                self.engine.slope_of_contact_stiffness(*rod, which)
+    /// Where derivatives hold on one side: contacts that carry next to nothing, beside others or beside the forces in the
+    /// rods, and are about to open.
+    pub fn one_sided(&self) -> Vec<String> {
+        let of_rods = self.engine.scales.bending / self.engine.scales.length.powi(2);
+        let largest = self.contacts.iter().map(|contact| contact.force).fold(of_rods, f64::max);
+        let weak = self.contacts.iter().filter(|contact| contact.force < WEAK * largest).count();
+        let note = || {
+            format!(
+                "{weak} contacts carry less than {WEAK:e} of the largest force, or of B/L², and are about to open: \
+                 derivatives hold on the side on which they stay closed"
+            )
+        };
+        if weak > 0 { vec![note()] } else { Vec::new() }
+    }
+
+    /// Overlap of the weakest contact by the law \[L\].
+    fn weakest_overlap(&self) -> Option<f64> {
+        let overlap = |(contact, rates): (&super::Touching, &Vec<GapRate>)| {
+            contact.force / rates.iter().map(|gap| gap.stiffness).sum::<f64>()
+        };
+        let all = self.contacts.iter().zip(&self.rates).map(overlap);
+        all.filter(|overlap| *overlap > 0.0 && overlap.is_finite()).min_by(f64::total_cmp)
+    }
+
+    /// The forces of the tangent against a motion of one node.
+    pub(super) fn driven(&mut self, motion: (usize, Vec3, Vec3)) -> Vec<f64> {
+        let mut forces = vec![0.0; 6 * self.engine.num_nodes()];
+        for gap in contact::changes(self.choice, &self.contacts, &self.rates) {
+            let closing = gap.stiffness * along(&gap.rate, motion);
+            if closing != 0.0 {
+                for (node, six) in &gap.rate {
+                    (0..6).for_each(|k| forces[6 * node + k] += closing * six[k]);
+                }
             }
-            _ => 0.0,
         }
+        give_to_masters(&mut forces, &self.engine.master);
+        let by_law = self.linearised.driven(self.engine, motion);
+        forces.iter_mut().zip(by_law).for_each(|(sum, force)| *sum += force);
+        forces
     }
 
-    /// Adds the forces of contact whose stiffness changes: they are proportional to it.
-    fn add_stiffening(&mut self, parameter: &PrescribedNumber, rate: &mut [f64]) {
-        let slope = self.stiffening(parameter);
-        for (out, force) in rate.iter_mut().zip(&self.linearised.residual.contact_gradient) {
-            *out += slope * force;
-        }
+    /// ∂r/∂seam of a closed rod \[F·L\] per turn.
+    pub(super) fn rate_of_link(&mut self, rod: usize) -> Result<Vec<f64>, RunError> {
+        Ok(self.rate(&PrescribedNumber::Link { rod }, None, &mut None)?.forces)
     }
 
     /// ∂q/∂p at fixed unknowns.
-    fn explicit(&mut self, of: &Observable, parameter: &PrescribedNumber, gradient: &[f64]) -> Result<f64, RunError> {
-        if let Some((node, displacement, rotation)) = parameter.motion(self.engine) {
+    fn explicit(
+        &mut self,
+        of: &Observable,
+        parameter: &PrescribedNumber,
+        (adjoint, rate): (&Adjoint, &Rate),
+    ) -> Result<f64, RunError> {
+        if let Some(motion) = parameter.motion(self.engine) {
+            let (node, displacement, rotation) = motion;
             let six = [displacement.x, displacement.y, displacement.z, rotation.x, rotation.y, rotation.z];
-            return Ok(dot(&gradient[6 * node..6 * node + 6], &six));
+            return Ok(dot(&adjoint.gradient[6 * node..6 * node + 6], &six));
         }
-        if let Observable::Reaction { node, component } = of {
-            let at = 6 * (self.engine.first_node[node.rod] + node.node) + component;
-            return Ok(self.rate(parameter)?[at]);
-        }
-        if *of == Observable::ContactForce {
-            let (thicker, raised) = parameter.closes();
-            let gaps = contact::responses(self.choice, &self.contacts, &self.rates);
-            let closed: f64 = gaps.iter().map(|gap| gap.stiffness * gap.closing(thicker, raised)).sum();
-            return Ok(closed + self.stiffening(parameter) * self.value(of)?);
-        }
-        if parameter.changes_gaps() {
-            return Ok(0.0);
-        }
-        let (step, engine) = (parameter.step(self.engine), &mut *self.engine);
-        let found = difference(step, |by| {
-            let state = parameter.changed(engine, by);
-            vec![of.value(engine, &state)]
-        });
-        Ok(found[0])
+        Ok(match of {
+            Observable::Reaction { node, component } => rate.forces[6 * self.engine.index(*node) + component],
+            Observable::ContactForce => rate.contact_force,
+            _ => rate.value,
+        })
+    }
+}
+
+/// Change of a gap with the motion of a node.
+fn along(rate: &[(usize, [f64; 6])], (node, displacement, rotation): (usize, Vec3, Vec3)) -> f64 {
+    let of_six = |six: &[f64; 6]| (0..3).map(|k| six[k] * displacement[k] + six[3 + k] * rotation[k]).sum::<f64>();
+    rate.iter().filter(|(own, _)| *own == node).map(|(_, six)| of_six(six)).sum()
+}
+
+impl contact::ClosedPoint {
+    /// b·δx.
+    fn push_along(&self, motion: &[f64]) -> f64 {
+        self.push.iter().map(|(node, six)| dot(six, &motion[6 * node..6 * node + 6])).sum()
     }
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use serde_json::Value;
 use supercoil::io::vtk::read_vtp;
 
-use crate::program::{folder, run, supercoil};
+use crate::program::{folder, run, supercoil, table};
 
 /// A ring of C/B = 1.5 and length 1 with an excess link, in the plane of its circle.
 fn ring(link: f64, outputs: &str) -> String {
@@ -63,9 +63,51 @@ fn modes_free_energies_and_sensitivities_of_runs() {
     assert!((number("potential") - elastic).abs() < 1e-2, "{text}");
     // on this mesh; it converges as the node spacing
     assert!((thermal - (p(0.6) / p(0.3)).ln()).abs() < 0.02, "{text}");
+    // the same questions to the folder of a run that asked none
+    let plain = folder("plain");
+    let (code, _, error) = run(&plain, &ring(0.4, ""));
+    assert_eq!(code, 0, "{error}");
+    let plain = plain.join("out");
+    let said = |arguments: &[&str]| {
+        let out = supercoil(arguments);
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        String::from_utf8_lossy(&out.stdout).into_owned()
+    };
+    let glb = plain.join("modes.glb");
+    let asked = said(&["modes", plain.to_str().unwrap(), "--count", "4", "--glb", glb.to_str().unwrap()]);
+    assert!(glb.metadata().unwrap().len() > 1000);
+    assert!(printed.contains(asked.lines().nth(2).unwrap()), "{asked}");
+    assert!(plain.join("modes.vtp").exists() && plain.join("modes.html").exists());
+    let asked = said(&["sensitivity", plain.to_str().unwrap(), "--of", "energy,twist:ring", "--to", "link,twisting"]);
+    assert!(asked.lines().filter(|line| printed.contains(line)).count() == 4, "{asked}");
+    assert_eq!(table(&plain.join("sensitivities.csv")).1.len(), 4);
+    assert!(
+        said(&command).contains("free energy")
+            && said(&["free-energy", plain.to_str().unwrap(), command[2], "--kT", "0.02"]) == said(&command)
+    );
+    let out = supercoil(&["j-factor", plain.to_str().unwrap(), command[2], "--kT", "0.02"]);
+    assert!(!out.status.success() && String::from_utf8_lossy(&out.stderr).contains("six fewer"));
+    let out = supercoil(&["modes", std::env::temp_dir().join("no_such_run").to_str().unwrap()]);
+    assert!(!out.status.success() && String::from_utf8_lossy(&out.stderr).contains("no final state"));
     // units are not nm and pN: kT is not known
     let out = supercoil(&command[..3]);
     assert!(!out.status.success() && String::from_utf8_lossy(&out.stderr).contains("kT"));
+}
+
+/// A steel wire between pins, of unit density in N, mm and kg: the frequency of its first mode is π/2 √(EI/μL⁴).
+#[test]
+fn frequencies_of_a_wire() {
+    let dir = folder("wire");
+    let scene = "[[rods]]\nname = \"wire\"\nshape = { kind = \"line\", length = 100.0 }\nelements = 16\nmass = 0.02\n\
+                 section = { bending = 500.0, twisting = 400.0, stretching = 1e6, shearing = 1e6, contact_radius = 0.0 }\n\
+                 [[supports]]\nat = \"start\"\nposition = true\nrotation = [\"x\"]\n\
+                 [[supports]]\nat = \"end\"\nposition = true\n\
+                 [output]\npicture = false\nmodes = 1\n";
+    let (code, printed, error) = run(&dir, scene);
+    assert_eq!(code, 0, "{error}");
+    let found = summary(&dir)["modes"]["frequencies"][0].as_f64().unwrap();
+    let exact = PI / 2.0 * (500.0 / (0.02 / 100.0 * 1e8_f64)).sqrt();
+    assert!((found / exact - 1.0).abs() < 1e-3 && printed.contains("frequency"), "{found} {exact}");
 }
 
 #[test]

@@ -47,6 +47,7 @@ mod ring_thickness;
 mod ring_topology;
 mod roll_up;
 mod ropelength;
+mod sensitivities;
 mod turned_rods;
 mod tweezers;
 mod twisted_ring;

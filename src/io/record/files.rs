@@ -11,6 +11,8 @@ use crate::text::read_regular;
 
 pub(super) const COLLECTION: &str = "run.pvd";
 pub(super) const TABLE: &str = "table.csv";
+/// The final state bit for bit, in the format of checkpoints.
+pub(in crate::io) const FINAL_STATE_BITS: &str = "final_state.bin";
 pub(super) const FINAL_STATE: &str = "final_state.csv";
 pub(super) const RESULTANTS: &str = "resultants.csv";
 pub(super) const SITES: &str = "sites.csv";
@@ -22,9 +24,11 @@ pub(super) const FILM_STRIP: &str = "filmstrip.png";
 pub(super) const WRITHE: &str = "writhe.svg";
 pub(in crate::io) const VIEW: &str = "view.html";
 pub(super) const MODES: &str = "modes.vtp";
+pub(super) const MODES_PAGE: &str = "modes.html";
+pub(super) const SENSITIVITIES: &str = "sensitivities.csv";
 
 /// All files except those of single steps and those that explain columns.
-const ALL: [&str; 14] = [
+const ALL: [&str; 17] = [
     COLLECTION,
     TABLE,
     FINAL_STATE,
@@ -38,6 +42,9 @@ const ALL: [&str; 14] = [
     WRITHE,
     VIEW,
     MODES,
+    MODES_PAGE,
+    SENSITIVITIES,
+    FINAL_STATE_BITS,
     SCENE,
 ];
 /// Tables whose columns are explained in files of their own.

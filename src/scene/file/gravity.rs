@@ -1,4 +1,4 @@
-//! Weight of rods by one line for all: gravity times the mass of each.
+//! Masses of rods, and their weight by one line for all: gravity times the mass of each.
 
 use std::f64::consts::PI;
 
@@ -11,6 +11,12 @@ const ONE_WAY: &str = "density, mass and weight say one thing: give one of them"
 
 /// Weight of a rod of that length as a force per length \[F/L\], if it has one.
 pub(super) fn weight(scene: &SceneText, rod: &RodText, length: f64) -> Result<Option<Vec3>, InputError> {
+    let Some(mass) = line_density(scene, rod, length)? else { return Ok(None) };
+    Ok(scene.gravity.map(|gravity| Vec3::from(gravity) * mass))
+}
+
+/// Mass per length of a rod of that length, if it has one \[mass/L\].
+pub(super) fn line_density(scene: &SceneText, rod: &RodText, length: f64) -> Result<Option<f64>, InputError> {
     let path = format!("rods.{}", rod.name);
     let given = [("density", rod.density), ("mass", rod.mass), ("weight", rod.weight)];
     let mut given = given.iter().filter_map(|(key, value)| value.map(|value| (*key, value)));
@@ -19,14 +25,16 @@ pub(super) fn weight(scene: &SceneText, rod: &RodText, length: f64) -> Result<Op
         return Err(InputError::inconsistent(path, ONE_WAY));
     }
     InputError::positive(&format!("{path}.{key}"), value)?;
-    let Some(gravity) = scene.gravity.map(Vec3::from) else {
+    let gravity = scene.gravity.map(|gravity| Vec3::from(gravity).norm());
+    let vibrates = scene.output.modes > 0 && key != "weight";
+    if gravity.is_none() && !vibrates {
         let reason = "has no meaning without gravity: give the scene gravity = [x, y, z]";
         return Err(InputError::inconsistent(format!("{path}.{key}"), reason));
-    };
+    }
     Ok(Some(match key {
-        "mass" => gravity * (value / length),
-        "weight" => gravity.normalize() * value,
-        _ => gravity * (value * area(&path, rod)?),
+        "mass" => value / length,
+        "weight" => value / gravity.unwrap_or(1.0),
+        _ => value * area(&path, rod)?,
     }))
 }
 

@@ -110,7 +110,7 @@ impl Solver {
         if self.workspace.factorise(&self.engine, shift).is_none() {
             return Ok(None);
         }
-        let step = self.workspace.solve_last(&self.engine, load);
+        let step = self.workspace.solve_last(load);
         if step.iter().any(|x| !x.is_finite()) {
             return Ok(None);
         }

@@ -9,11 +9,13 @@
 use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
-use crate::scene::{NodeRef, ObstaclePose};
+use crate::scene::{Model, NodeRef, ObstaclePose};
 use crate::solve::load_step::predictor::History;
 use crate::solve::load_step::solver::Solver;
+use crate::solve::options::Options;
 use crate::solve::path::given::Given;
 use crate::solve::problem::contact_field::ContactField;
+use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::Moved;
 use crate::solve::problem::state::State;
 
@@ -66,6 +68,44 @@ struct ContactRestart {
     offsets: ContactField,
 }
 
+impl ContactRestart {
+    fn of(engine: &Engine) -> Option<Self> {
+        engine.contact.as_ref().map(|side| Self { law: side.law, offsets: side.offsets.clone() })
+    }
+}
+
+/// An equilibrium with its problem, apart from the engine that had it: supports, loads and numbers as stages have left
+/// them.
+#[derive(Debug, Clone)]
+pub struct Equilibrium {
+    model: Model,
+    state: State,
+    contact: Option<ContactRestart>,
+}
+
+impl Equilibrium {
+    /// That of an engine.
+    pub fn of(engine: &Engine) -> Self {
+        Self { model: engine.model.clone(), state: engine.state.clone(), contact: ContactRestart::of(engine) }
+    }
+
+    /// The problem.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// A solver that is in it.
+    ///
+    /// # Errors
+    /// As [`Solver::new`].
+    pub fn solver(&self, options: Options) -> Result<Solver, InputError> {
+        let mut solver = Solver::new(self.model.clone(), options)?;
+        solver.engine.set_state(self.state.clone())?;
+        solver.take_contact(self.contact.clone())?;
+        Ok(solver)
+    }
+}
+
 impl Restart {
     /// Poses of nodes that stages have come to hold.
     pub(in crate::solve) fn held(&self) -> impl Iterator<Item = (NodeRef, (Vec3, Quat))> {
@@ -78,10 +118,25 @@ impl Solver {
     /// new field has to decide here whether a run depends on it.
     pub(crate) fn to_restart(&self, place: Place, given: &Given) -> Restart {
         let Self { engine, workspace: _, options: _, moved, history } = self;
-        let contact =
-            engine.contact.as_ref().map(|side| ContactRestart { law: side.law, offsets: side.offsets.clone() });
+        let contact = ContactRestart::of(engine);
         let held = given.held.iter().map(|(node, (x, q))| (node.rod, node.node, *x, *q)).collect();
         Restart { place, state: engine.state.clone(), contact, moved: moved.clone(), held, history: history.clone() }
+    }
+
+    /// Puts a contact law and its offsets in force.
+    fn take_contact(&mut self, contact: Option<ContactRestart>) -> Result<(), InputError> {
+        match (&mut self.engine.contact, contact) {
+            (None, None) => Ok(()),
+            (Some(side), Some(saved)) if saved.offsets.fits(side.size(), &side.set) => {
+                side.law = saved.law;
+                side.before = None;
+                side.offsets = saved.offsets;
+                Ok(())
+            }
+            _ => {
+                Err(InputError::inconsistent("restart", "has contact where the model has none, or the other way round"))
+            }
+        }
     }
 
     /// Takes over a run.
@@ -107,15 +162,7 @@ impl Solver {
         }
         history.states().try_for_each(|remembered| self.engine.check_joined(remembered))?;
         self.engine.set_state(state)?;
-        match (&mut self.engine.contact, contact) {
-            (None, None) => {}
-            (Some(side), Some(saved)) if saved.offsets.fits(side.size(), &side.set) => {
-                side.law = saved.law;
-                side.before = None;
-                side.offsets = saved.offsets;
-            }
-            _ => return Err(refuse("has contact where the model has none, or the other way round")),
-        }
+        self.take_contact(contact)?;
         self.moved = moved;
         self.history = history;
         Ok(())

@@ -127,6 +127,26 @@ pub fn run_from(
     Ok(Solution { status, solver, num_steps: place.num_steps, iterations: place.iterations, failure, given })
 }
 
+/// The solver in the state of a restart of a run of these stages; no step is taken.
+///
+/// # Errors
+/// As [`run_from`].
+pub fn solver_at(model: Model, stages: &[Stage], options: &Options, restart: Restart) -> Result<Solver, RunError> {
+    model.check_stages(stages)?;
+    let mut solver = Solver::new(model, options.clone())?;
+    take_up(&mut solver, restart, stages)?;
+    Ok(solver)
+}
+
+impl Solution {
+    /// The restart from the state in which a run of these stages ended, a last one whose path was followed included.
+    pub(crate) fn restart(&self, stages: &[Stage]) -> Restart {
+        let place =
+            Place { fraction: 1.0, ..Place::start_of(stages.len().saturating_sub(1), self.num_steps, self.iterations) };
+        self.solver.to_restart(place, &self.given)
+    }
+}
+
 /// Why a run could not go on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RunError {
@@ -194,22 +214,9 @@ impl LoadStepping<'_, '_> {
 
     /// Takes up a run where an earlier one left it.
     fn resume(&mut self, restart: Restart, stages: &[Stage]) -> Result<Status, RunError> {
-        let place = restart.place;
-        for stage in stages.iter().take(place.stage) {
-            self.solver.change_supports(&stage.ramps)?;
-        }
-        if let Some(stage) = stages.get(place.stage).filter(|_| place.fraction > 0.0) {
-            self.solver.change_supports(&stage.ramps)?;
-        }
-        if place.stage >= stages.len().max(1) || !(0.0..=1.0).contains(&place.fraction) || place.step_size.is_nan() {
-            let reason =
-                format!("stands in stage {} at {}, which is no place on this path", place.stage, place.fraction);
-            return Err(InputError::Inconsistent { field: "restart".to_owned(), reason }.into());
-        }
+        self.place = restart.place;
         self.given.held.extend(restart.held());
-        self.solver.take_over(restart)?;
-        self.solver.forget_path()?;
-        self.place = place;
+        take_up(&mut self.solver, restart, stages)?;
         Ok(Status::Converged)
     }
 
@@ -288,6 +295,23 @@ impl LoadStepping<'_, '_> {
             ..self.failure_of(report)
         }
     }
+}
+
+/// Puts a solver in the state of a restart.
+fn take_up(solver: &mut Solver, restart: Restart, stages: &[Stage]) -> Result<(), RunError> {
+    let place = restart.place;
+    for stage in stages.iter().take(place.stage) {
+        solver.change_supports(&stage.ramps)?;
+    }
+    if let Some(stage) = stages.get(place.stage).filter(|_| place.fraction > 0.0) {
+        solver.change_supports(&stage.ramps)?;
+    }
+    if place.stage >= stages.len().max(1) || !(0.0..=1.0).contains(&place.fraction) || place.step_size.is_nan() {
+        let reason = format!("stands in stage {} at {}, which is no place on this path", place.stage, place.fraction);
+        return Err(InputError::Inconsistent { field: "restart".to_owned(), reason }.into());
+    }
+    solver.take_over(restart)?;
+    Ok(solver.forget_path()?)
 }
 
 /// How a run ends with an attempt that failed and is not halved any more.

@@ -7,7 +7,7 @@ use crate::contact::broad_phase::BroadPhase;
 use crate::contact::law::Law;
 use crate::contact::screened::Repulsion;
 use crate::error::{InputError, SolveError};
-use crate::rod::{Natural, RodNumber};
+use crate::rod::Natural;
 use crate::scene::ContactLaw;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_side::{self, ContactSide};
@@ -91,9 +91,7 @@ impl Engine {
 
     /// Does some work under other numbers of rods and their elements.
     pub(in crate::solve::problem) fn with_numbers<R>(&mut self, numbers: &Numbers, work: impl FnOnce(&Self) -> R) -> R {
-        let number =
-            |(&(rod, which), _): (&(usize, RodNumber), &f64)| ((rod, which), self.model.rods[rod].number(which));
-        let before: Numbers = numbers.iter().map(number).collect();
+        let before = self.numbers_like(numbers);
         self.set_numbers_of_elements(numbers);
         let result = work(self);
         self.set_numbers_of_elements(&before);
@@ -125,24 +123,64 @@ impl Engine {
         true
     }
 
+    /// Does some work with the problem at a state of the present nodes: other numbers of rods, other places of obstacles,
+    /// contact brought up to date with them at the offsets that give the present pressures. Then all is as it was.
+    ///
+    /// # Errors
+    /// Contact curves that cannot be made of the numbers; contact geometry that breaks down.
+    pub(crate) fn at_state<R>(
+        &mut self,
+        state: &State,
+        work: impl FnOnce(&Self) -> R,
+    ) -> Result<Result<R, SolveError>, InputError> {
+        let stiffness = self.contact_stiffness();
+        let numbers = self.numbers_like(&state.numbers);
+        let present = std::mem::replace(&mut self.state, state.clone());
+        let fresh = match self.set_numbers_of_elements(&state.numbers) {
+            true => self.side_of_numbers(stiffness),
+            false => Ok(None),
+        };
+        let before = fresh.map(|fresh| {
+            fresh.map(|(side, law)| (self.contact.replace(side), std::mem::replace(&mut self.model.contact.law, law)))
+        });
+        let result = self.update_contact(state).map(|_| work(self));
+        self.set_numbers_of_elements(&numbers);
+        self.state = present;
+        if let Some((side, law)) = before? {
+            (self.contact, self.model.contact.law) = (side, law);
+        }
+        let present = self.state.clone();
+        Ok(self.update_contact(&present).and(result))
+    }
+
+    /// The model's present values of these numbers.
+    fn numbers_like(&self, numbers: &Numbers) -> Numbers {
+        numbers.keys().map(|&(rod, which)| ((rod, which), self.model.rods[rod].number(which))).collect()
+    }
+
     /// Contact curves and law of the present numbers, where the law had another stiffness \[F/L²\]; pressures stay.
     fn contact_of_numbers(&mut self, before: f64) -> Result<(), InputError> {
-        let Some(side) = &self.contact else { return Ok(()) };
+        if let Some((fresh, law)) = self.side_of_numbers(before)? {
+            (self.contact, self.model.contact.law) = (Some(fresh), law);
+        }
+        Ok(())
+    }
+
+    fn side_of_numbers(&self, before: f64) -> Result<Option<(ContactSide, ContactLaw)>, InputError> {
+        let Some(side) = &self.contact else { return Ok(None) };
         let (law, offsets) = (side.law, side.offsets.clone());
         let asked = self.law_asked.on_mesh(&self.model.rods);
-        let Some(stiffness) = asked.stiffness() else { return Ok(()) };
+        let Some(stiffness) = asked.stiffness() else { return Ok(None) };
         let law_asked = (stiffness, self.scales.bending);
         let fresh = ContactSide::new(&self.model, &self.first_node, (&self.state, side.tangents.clone()), law_asked)?;
-        let Some(mut fresh) = fresh else { return Ok(()) };
+        let Some(mut fresh) = fresh else { return Ok(None) };
         fresh.replaces(side);
         let ratio = contact_side::stiffness(stiffness, self.scales.bending, fresh.min_radius) / before;
         fresh.offsets = offsets.map(|_, offset| offset / ratio);
         if let Law::Linear { stiffness } = law {
             fresh.law = Law::Linear { stiffness: stiffness * ratio };
         }
-        self.model.contact.law = asked;
-        self.contact = Some(fresh);
-        Ok(())
+        Ok(Some((fresh, asked)))
     }
 
     /// Finds contact candidates anew, whatever lists are at hand: a list that still holds may be longer than a fresh
@@ -163,7 +201,7 @@ impl Engine {
 mod tests {
     use super::*;
     use crate::math::Vec3;
-    use crate::rod::{Rod, RodMesh, Section, Shape};
+    use crate::rod::{Rod, RodMesh, RodNumber, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
 
     /// Symptom: where a rod grew, candidates were counted from 0 again, and the matrix could keep the pattern of before.

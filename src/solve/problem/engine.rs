@@ -246,6 +246,11 @@ impl Engine {
         self.first_node.partition_point(|&first| first <= node) - 1
     }
 
+    /// Index of a node among all.
+    pub(crate) fn index(&self, node: NodeRef) -> usize {
+        self.first_node[node.rod] + node.node
+    }
+
     /// Nodes of a rod among all.
     pub(crate) fn nodes(&self, rod: usize) -> Range<usize> {
         self.first_node[rod]..self.first_node[rod + 1]

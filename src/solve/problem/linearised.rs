@@ -5,10 +5,10 @@
 
 use crate::error::SolveError;
 use crate::math::Vec3;
-use crate::rod::{Rod, RodNumber};
 use crate::solve::problem::assembly::{Residual, Tangent};
 use crate::solve::problem::engine::{Engine, give_to_masters};
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::reduction::Reduction;
 use crate::solve::problem::sliding_constraint::SlidingConstraint;
 pub(crate) use crate::solve::problem::sliding_constraint::dot;
 use crate::solve::problem::state::State;
@@ -131,33 +131,19 @@ impl Linearised {
         tangent.drive
     }
 
+    fn reduction(&self) -> Reduction<'_> {
+        Reduction { pattern: &self.pattern, bases: &self.bases }
+    }
+
     fn product(&self, values: &[f64], motion: &[f64]) -> Vec<f64> {
-        let mut reduced = vec![0.0; self.pattern.num_equations()];
-        for (i, x) in self.bases.resolved(motion).iter().enumerate() {
-            if let Some(equation) = self.pattern.own_equation(i / 6, i % 6) {
-                reduced[equation] = *x;
-            }
-        }
-        let product = self.pattern.multiply(values, &reduced);
-        self.expanded(motion.len(), |node, k| self.pattern.own_equation(node, k).map(|equation| product[equation]))
+        let product = self.pattern.multiply(values, &self.reduction().motion(motion));
+        self.reduction().forces_on_nodes(motion.len(), &product)
     }
 
     fn solve_unconstrained(&mut self, forces: &[f64]) -> Vec<f64> {
-        let mut rhs = vec![0.0; self.pattern.num_equations()];
-        for (i, x) in self.bases.resolved(forces).iter().enumerate() {
-            if let Some(equation) = self.pattern.equation(i / 6, i % 6) {
-                rhs[equation] += x;
-            }
-        }
-        self.factor.solve(&mut rhs);
-        self.expanded(forces.len(), |node, k| self.pattern.equation(node, k).map(|equation| rhs[equation]))
-    }
-
-    /// Six numbers a node about x, y and z from those of the unknowns.
-    fn expanded(&self, len: usize, number: impl Fn(usize, usize) -> Option<f64>) -> Vec<f64> {
-        let mut all: Vec<f64> = (0..len).map(|i| number(i / 6, i % 6).unwrap_or(0.0)).collect();
-        self.bases.compose(&mut all);
-        all
+        let mut reduced = self.reduction().forces(forces);
+        self.factor.solve(&mut reduced);
+        self.reduction().motion_of_nodes(forces.len(), &reduced)
     }
 }
 
@@ -176,25 +162,6 @@ impl Engine {
         let mut out = self.residual_of_numbers(state, loads);
         give_to_masters(&mut out.gradient, &self.master);
         out
-    }
-
-    /// ∂ln κ/∂n of the contact stiffness κ, which is made of the rods' numbers, all of these changed by as much.
-    pub(crate) fn slope_of_contact_stiffness(&mut self, rod: usize, which: &[RodNumber]) -> f64 {
-        let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
-        if which.contains(&RodNumber::ContactRadius) {
-            // of several that are as thin, the others stay when one grows
-            let thinnest = |rod: &&Rod| rod.section.contact_radius == radius;
-            let alone = self.model.rods.iter().filter(thinnest).count() == 1;
-            return if alone && thinnest(&&self.model.rods[rod]) { -4.0 / radius } else { 0.0 };
-        }
-        let here = which.iter().map(|&number| self.model.rods[rod].number(number).abs()).fold(0.0, f64::max);
-        let stiffness = |engine: &mut Self, by: f64| {
-            let changed = which.iter().map(|&number| ((rod, number), engine.model.rods[rod].number(number) + by));
-            let numbers = changed.collect();
-            engine.with_numbers(&numbers, Self::contact_stiffness)
-        };
-        let step = 1e-3 * here;
-        if step == 0.0 { 0.0 } else { (stiffness(self, step).ln() - stiffness(self, -step).ln()) / (2.0 * step) }
     }
 }
 

@@ -11,6 +11,7 @@
 //! | `contact_tangents`, `measured_tangents` | tangents of the contact curves at the nodes, and how they are measured on a state |
 //! | `joint_surroundings` | where joined rods touch for good, and contact is left out |
 //! | `contact_gaps` | the smallest gap of each contact near each node |
+//! | `reduction` | from numbers of nodes to those of equations, and back |
 //! | `linearised` | tangent and factor at a state, for those above the solver |
 //! | `swivel`, `moment_load` | supports that hold the rotation about one axis; moments of fixed direction |
 //! | `zero_energy` | motions that nothing resists, and the springs that hold them |
@@ -39,6 +40,7 @@ mod measured_tangents;
 pub(in crate::solve) mod moment_load;
 pub(in crate::solve) mod prescribed_motion;
 pub(in crate::solve) mod problem_size;
+pub(in crate::solve) mod reduction;
 pub(in crate::solve) mod sliding_constraint;
 pub(in crate::solve) mod state;
 pub(crate) mod swivel;

@@ -45,7 +45,7 @@ impl Workspace {
             let norm: f64 = self.softest.iter().zip(mass).map(|(x, m)| x * x * m).sum::<f64>().sqrt();
             self.softest.iter_mut().for_each(|x| *x /= norm);
             let rhs: Vec<f64> = self.softest.iter().zip(mass).map(|(x, m)| x * m).collect();
-            let next = self.solve_last(engine, &rhs);
+            let next = self.solve_last(&rhs);
             // Rayleigh quotient of the inverse
             lowest = 1.0 / next.iter().zip(&rhs).map(|(x, r)| x * r).sum::<f64>();
             self.softest = next;

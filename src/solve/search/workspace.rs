@@ -6,6 +6,7 @@ use crate::solve::problem::assembly::{Places, Residual, Tangent};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::add_moment_skew;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::reduction::Reduction;
 use crate::solve::problem::sliding_constraint::SlidingConstraint;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
@@ -124,16 +125,16 @@ impl Workspace {
     /// Increment from the last factorisation with some neutral motion in it.
     pub(crate) fn raw_step(&mut self, engine: &Engine, residual: &Residual) -> Vec<f64> {
         let rhs: Vec<f64> = residual.gradient.iter().zip(&self.tangent.drive).map(|(g, d)| -g - d).collect();
-        let mut step = self.solve_last(engine, &rhs);
-        add_moment_skew(engine, &mut step, |forces| self.solve_last(engine, forces));
+        let mut step = self.solve_last(&rhs);
+        add_moment_skew(engine, &mut step, |forces| self.solve_last(forces));
         step
     }
 
     /// Response of all unknowns to forces by the last factorisation, moments' skew part included, neutral parts taken
     /// out.
     pub(crate) fn respond(&mut self, engine: &Engine, forces: &[f64]) -> Vec<f64> {
-        let mut response = self.solve_last(engine, forces);
-        add_moment_skew(engine, &mut response, |forces| self.solve_last(engine, forces));
+        let mut response = self.solve_last(forces);
+        add_moment_skew(engine, &mut response, |forces| self.solve_last(forces));
         self.zero_energy.remove(&mut response);
         response
     }
@@ -159,7 +160,7 @@ impl Workspace {
         let negative = inertia?.num_negative;
         self.border = None;
         let Some(constraint) = self.zero_energy.sliding_constraint() else { return Some(negative) };
-        let response = self.solve_unconstrained(engine, &constraint);
+        let response = self.solve_unconstrained(&constraint);
         Some(self.border.insert(SlidingConstraint::new(constraint, response)).num_negative(negative))
     }
 
@@ -176,42 +177,25 @@ impl Workspace {
     }
 
     /// Product of a matrix of the tangent's pattern with an increment (supported unknowns give and take nothing).
-    pub(crate) fn multiply(&self, engine: &Engine, values: &[f64], x: &[f64]) -> Vec<f64> {
+    pub(crate) fn multiply(&self, values: &[f64], x: &[f64]) -> Vec<f64> {
         let Some(pattern) = &self.pattern else { return Vec::new() };
-        let mut reduced = vec![0.0; pattern.num_equations()];
-        for (i, x) in self.bases.resolved(x).iter().enumerate() {
-            if let Some(eq) = pattern.equation(i / 6, i % 6) {
-                reduced[eq] = *x;
-            }
-        }
-        self.expand(engine, pattern, &pattern.multiply(values, &reduced))
+        let reduction = Reduction { pattern, bases: &self.bases };
+        reduction.motion_of_nodes(x.len(), &pattern.multiply(values, &reduction.motion(x)))
     }
 
     /// Solves with the last factorisation for all unknowns, without sliding of a uniform closed rod along itself.
-    pub(crate) fn solve_last(&mut self, engine: &Engine, rhs_nodes: &[f64]) -> Vec<f64> {
-        let mut x = self.solve_unconstrained(engine, rhs_nodes);
+    pub(crate) fn solve_last(&mut self, rhs_nodes: &[f64]) -> Vec<f64> {
+        let mut x = self.solve_unconstrained(rhs_nodes);
         self.border.iter().for_each(|border| border.apply(&mut x));
         x
     }
 
-    fn solve_unconstrained(&mut self, engine: &Engine, rhs_nodes: &[f64]) -> Vec<f64> {
+    fn solve_unconstrained(&mut self, rhs_nodes: &[f64]) -> Vec<f64> {
         let (Some(pattern), Some(factor)) = (&self.pattern, &mut self.factor) else { return Vec::new() };
-        let mut rhs = vec![0.0; pattern.num_equations()];
-        for (i, x) in self.bases.resolved(rhs_nodes).iter().enumerate() {
-            if let Some(eq) = pattern.equation(i / 6, i % 6) {
-                rhs[eq] += x;
-            }
-        }
+        let reduction = Reduction { pattern, bases: &self.bases };
+        let mut rhs = reduction.forces(rhs_nodes);
         timed(&mut self.timings.solve, || factor.solve(&mut rhs));
-        self.expand(engine, pattern, &rhs)
-    }
-
-    /// Six numbers a node from those of the equations.
-    fn expand(&self, engine: &Engine, pattern: &Pattern, reduced: &[f64]) -> Vec<f64> {
-        let number = |i: usize| pattern.equation(i / 6, i % 6).map_or(0.0, |eq| reduced[eq]);
-        let mut all: Vec<f64> = (0..6 * engine.num_nodes()).map(number).collect();
-        self.bases.compose(&mut all);
-        all
+        reduction.motion_of_nodes(rhs_nodes.len(), &rhs)
     }
 
     /// Linearises at the engine's state with its actual stresses and counts negative eigenvalues.

@@ -76,14 +76,17 @@ pub(crate) fn gap_gradients<'a>(
     term: &'a ContactPair,
     [slave, master]: [&'a Cubic; 2],
 ) -> impl Iterator<Item = ([f64; 24], f64)> + 'a {
-    let coordinates = Coordinates::ends(slave, master);
-    term.points.iter().filter_map(move |point| {
-        let chord = slave.point(point.u) - master.point(point.v);
-        let normal = chord.try_normalize(0.0)?;
-        let (wa, wb) = (cubic_weights(point.u), cubic_weights(point.v));
-        let rate: [Vec3; 8] = std::array::from_fn(|m| normal * if m < 4 { wa[m] } else { -wb[m - 4] });
-        Some((coordinates.pull(&rate), point.stiffness))
-    })
+    let at = move |point: &QuadraturePoint| Some((gap_gradient([slave, master], [point.u, point.v])?, point.stiffness));
+    term.points.iter().filter_map(at)
+}
+
+/// ∂gap/∂x of a point of a slave and its foot on a master, by their parameters, as in [`gap_gradients`]; `None` where they
+/// coincide.
+pub(crate) fn gap_gradient([slave, master]: [&Cubic; 2], [u, v]: [f64; 2]) -> Option<[f64; 24]> {
+    let normal = (slave.point(u) - master.point(v)).try_normalize(0.0)?;
+    let (wa, wb) = (cubic_weights(u), cubic_weights(v));
+    let rate: [Vec3; 8] = std::array::from_fn(|m| normal * if m < 4 { wa[m] } else { -wb[m - 4] });
+    Some(Coordinates::ends(slave, master).pull(&rate))
 }
 
 /// A point of contact and its linear motion, where its term was evaluated.

@@ -341,13 +341,22 @@ impl SurfaceContact {
         self.zones.iter().map(|zone| zone.min_gap).fold(f64::INFINITY, f64::min)
     }
 
-    /// ∂gap/∂x at each point by the ends of the segment, which is one of `set`, and weight × stiffness there \[F/L\].
-    pub(crate) fn gap_gradients<'a>(&'a self, set: &CurveSet) -> impl Iterator<Item = ([f64; 12], f64)> + 'a {
-        let handles = handles(set, self.segment);
-        self.points.iter().map(move |point| {
-            let weights = cubic_weights(point.u).map(|w| -point.normal * w);
-            (gradient(&handles, &weights), point.stiffness)
-        })
+    /// Each point with ∂gap/∂x by the ends of the segment, which is one of `set`, and weight × stiffness there \[F/L\].
+    pub(crate) fn gap_gradients<'a>(&'a self, set: &'a CurveSet) -> impl Iterator<Item = (TouchedPoint, f64)> + 'a {
+        self.points.iter().map(move |point| (self.touched(set, point.u, point.normal), point.stiffness))
+    }
+
+    /// The point of the smallest gap, if zones were asked for.
+    pub(crate) fn nearest(&self, set: &CurveSet, body: &Surface) -> Option<TouchedPoint> {
+        let zone = self.zones.iter().min_by(|a, b| a.min_gap.total_cmp(&b.min_gap))?;
+        let normal = body.normal(&point_of(&relative(body, set, self.segment), zone.nearest));
+        Some(self.touched(set, zone.nearest, normal))
+    }
+
+    fn touched(&self, set: &CurveSet, u: f64, normal: Vec3) -> TouchedPoint {
+        let weights = cubic_weights(u).map(|w| -normal * w);
+        let gap_gradient = gradient(&handles(set, self.segment), &weights);
+        TouchedPoint { gap_gradient, at: set.segments[self.segment].point(u), normal }
     }
 
     /// Σ W k e ∂gap/∂x by the ends of the segment where the term was evaluated, with these handles: the gradient of a law that
@@ -360,6 +369,17 @@ impl SurfaceContact {
         }
         gradient(handles, &sum)
     }
+}
+
+/// A point of a segment at a surface.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TouchedPoint {
+    /// ∂gap/∂x by the ends of the segment.
+    pub(crate) gap_gradient: [f64; 12],
+    /// \[L\]
+    pub(crate) at: Vec3,
+    /// Of the surface, towards the strand.
+    pub(crate) normal: Vec3,
 }
 
 /// A zone with the segment and the surface that it is of.

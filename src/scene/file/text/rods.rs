@@ -37,10 +37,10 @@ pub(in super::super) struct RodText {
     #[serde(default, deserialize_with = "some_table")]
     pub dna: Option<DnaText>,
     /// Mass per volume: times the area of the section's `circle` or `rectangle` and `gravity`, weight per length.
-    #[schemars(extend("x-unit" = "mass/L³", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity`", "x-default" = "none"))]
+    #[schemars(extend("x-unit" = "mass/L³", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity` or `output.modes`", "x-default" = "none"))]
     pub density: Option<f64>,
     /// Mass of the rod, in place of `density`.
-    #[schemars(extend("x-unit" = "mass", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity`", "x-default" = "none"))]
+    #[schemars(extend("x-unit" = "mass", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity` or `output.modes`", "x-default" = "none"))]
     pub mass: Option<f64>,
     /// Weight per reference length, in place of `density`; of `gravity` the direction counts.
     #[schemars(extend("x-unit" = "F/L", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity`", "x-default" = "none"))]

@@ -172,13 +172,13 @@ impl Workspace {
         let (from, mut correction) = if gentle {
             let mut unbalanced = there;
             self.zero_energy.remove_forces(&mut unbalanced);
-            (&trial.increment, self.solve_last(engine, &unbalanced.gradient))
+            (&trial.increment, self.solve_last(&unbalanced.gradient))
         } else {
-            (&linear.increment, self.solve_last(engine, &second_order))
+            (&linear.increment, self.solve_last(&second_order))
         };
         let is_first = trial.rounds == 0 && with_contact;
         if is_first && self.localise(engine, linear, &correction) {
-            correction = self.solve_last(engine, &second_order);
+            correction = self.solve_last(&second_order);
         }
         (from.iter().zip(&correction).map(|(b, c)| b - c).collect(), excess)
     }

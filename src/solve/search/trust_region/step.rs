@@ -93,7 +93,7 @@ impl Workspace {
 
     /// xᵀ(K + τM)x of the assembled (unshifted) tangent and the shift τ.
     pub(super) fn energy_norm_sq(&self, engine: &Engine, x: &[f64], shift: f64) -> f64 {
-        let product = self.multiply(engine, &self.tangent.values, x);
+        let product = self.multiply(&self.tangent.values, x);
         self.free_dot(engine, x, |i| product[i] + shift * engine.metric[i] * x[i])
     }
 
