@@ -147,7 +147,10 @@ pub(super) fn coupled(engine: &Engine, contacts: &[Touching]) -> Vec<Vec<usize>>
     let Some(side) = &engine.contact else { return Vec::new() };
     let of_place = |place: &TouchPlace| match place {
         TouchPlace::Pair(pair) => pair.iter().flat_map(|&segment| side.nodes[segment]).collect::<Vec<_>>(),
-        TouchPlace::Surface(segment, _) => side.nodes[*segment].to_vec(),
+        TouchPlace::Surface(segment, surface) => {
+            let (nodes, count) = side.nodes_at_surface(*segment, *surface);
+            nodes[..count].to_vec()
+        }
     };
     contacts.iter().filter(|contact| contact.is_point).map(|c| c.places.iter().flat_map(of_place).collect()).collect()
 }
@@ -194,9 +197,10 @@ pub(super) fn gap_rates(engine: &Engine, contacts: &[Touching], residual: &Resid
     }
     for contact in &residual.surface_contacts {
         let Some(&index) = owner.get(&TouchPlace::Surface(contact.segment, contact.surface)) else { continue };
-        let (surface, nodes) = (&side.surfaces[contact.surface], side.nodes[contact.segment]);
+        let surface = &side.surfaces[contact.surface];
+        let (nodes, count) = side.nodes_at_surface(contact.segment, contact.surface);
         rates[index].extend(contact.gap_gradients(&side.set).map(|(rate, stiffness)| {
-            let rate = at_nodes(&nodes, &rate);
+            let rate = at_nodes(&nodes[..count], &rate);
             let surface = Some((contact.surface, surface.sign));
             GapRate { rate, stiffness, rods: [rod(contact.segment), None], surface }
         }));

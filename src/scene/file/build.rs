@@ -21,7 +21,7 @@ use super::shapes::{Wound, shape};
 use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
 };
-use super::values::{At, NaturalText, RodNames};
+use super::values::{At, GripText, NaturalText, RodNames};
 use super::{frames, gravity, memory, obstacles, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
@@ -92,7 +92,7 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<(Model, Vec<Opt
         model.line_loads.extend(weight.map(|weight| LineLoad::of_force(index, weight)));
     }
     model.load = gravity::start_factor(text);
-    model.obstacles = obstacles::obstacles(&text.planes, &text.obstacles)?;
+    model.obstacles = obstacles::obstacles(text, &model.rods)?;
     model.check().map(|()| (model, base_pairs))
 }
 
@@ -104,6 +104,15 @@ fn supports(field: &str, text: &SupportText, rods: &[Rod]) -> Result<Vec<Support
     }
     let nodes = nodes(rods, field, &text.rod, text.at)?;
     Ok(nodes.into_iter().map(|node| Support { node, position, rotation }).collect())
+}
+
+/// A grip is a body that is there from the start.
+fn check_no_grip(field: &str, text: &SupportText) -> Result<(), InputError> {
+    if text.grip == GripText::None {
+        return Ok(());
+    }
+    let reason = "is there from the start, and stays when its support is released: set it in [[supports]]";
+    Err(InputError::inconsistent(format!("{field}.grip"), reason))
 }
 
 pub(super) fn stages(
@@ -123,11 +132,15 @@ pub(super) fn further_stages(
     let stage = |(i, stage): (usize, &StageText)| {
         let mut all = Vec::new();
         for (k, gone) in stage.release.iter().enumerate() {
-            let supports = supports(&format!("stages[{i}].release[{k}]"), gone, &model.rods)?;
+            let field = format!("stages[{i}].release[{k}]");
+            check_no_grip(&field, gone)?;
+            let supports = supports(&field, gone, &model.rods)?;
             all.extend(supports.into_iter().map(Ramp::Release));
         }
         for (k, held) in stage.hold.iter().enumerate() {
-            let supports = supports(&format!("stages[{i}].hold[{k}]"), held, &model.rods)?;
+            let field = format!("stages[{i}].hold[{k}]");
+            check_no_grip(&field, held)?;
+            let supports = supports(&field, held, &model.rods)?;
             all.extend(supports.into_iter().map(Ramp::Hold));
         }
         all.extend(ramps(&format!("stages[{i}].ramp"), &stage.ramp, model, relaxed_links)?);
@@ -598,7 +611,7 @@ fn find_rod(rods: &[Rod], field: &str, name: Option<&str>) -> Result<usize, Inpu
 }
 
 /// The node `at` of each named rod; the only rod needs no name.
-fn nodes(rods: &[Rod], field: &str, names: &RodNames, at: At) -> Result<Vec<NodeRef>, InputError> {
+pub(super) fn nodes(rods: &[Rod], field: &str, names: &RodNames, at: At) -> Result<Vec<NodeRef>, InputError> {
     if names.0.is_empty() {
         return find_rod(rods, field, None).and_then(|rod| node(rods, field, rod, at)).map(|node| vec![node]);
     }
@@ -614,7 +627,7 @@ fn nodes(rods: &[Rod], field: &str, names: &RodNames, at: At) -> Result<Vec<Node
     Ok(found)
 }
 
-fn node(rods: &[Rod], field: &str, index: usize, at: At) -> Result<NodeRef, InputError> {
+pub(super) fn node(rods: &[Rod], field: &str, index: usize, at: At) -> Result<NodeRef, InputError> {
     let rod = &rods[index];
     let node = match at {
         At::Start => 0,

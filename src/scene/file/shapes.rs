@@ -57,6 +57,17 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
             return Err(InputError::inconsistent("shape", "a state is nodes with frames, no curve"));
         }
         ShapeText::Knot { .. } => Shape::Points(knot(text, wound)?),
+        ShapeText::Overhand { length, radius, half_turns, start } => {
+            if wound.closed {
+                return Err(InputError::inconsistent("shape", "an overhand knot is tied in an open rod"));
+            }
+            InputError::positive("shape.radius", radius)?;
+            let length = wound.length(length)?;
+            InputError::positive("shape.length", length)?;
+            let start: Vec3 = start.into();
+            let tied = knots::overhand(length / radius, half_turns)?;
+            Shape::Points(tied.into_iter().map(|point| start + point * radius).collect())
+        }
         ShapeText::Plectoneme { .. } => plectoneme(text, base_dir, wound)?,
         ShapeText::TorusKnot { length, windings: List(windings), aspect, phase, center, normal } => {
             let (length, phase) = (wound.length(length)?, TAU * phase);
