@@ -69,7 +69,7 @@ class Rod:
     #: Part of the natural state of a table, or of the change of it by proteins, at the start: 0 to 1.
     binding: float | None = None
     #: Balls about nodes that move with them and take part in contact: ``{"at": …, "radius": …, "name": …}`` [L].
-    beads: Sequence[Table] = ()
+    beads: Sequence[Table] | None = None
     #: (n, 3) points [L] of the centreline at the start, in place of ``shape``.
     points: ArrayLike | None = None
     #: (n, 4, 3) base pairs [nm]: origin, d1, d2, d3; in place of ``shape``.

@@ -69,9 +69,10 @@ impl Skeleton {
     /// The point that others are relative to.
     pub(crate) fn point(&self) -> Vec3 {
         match self {
-            Self::Plane { point, .. } | Self::Point { point } | Self::Line { point, .. } | Self::Piece { point, .. } => {
-                *point
-            }
+            Self::Plane { point, .. }
+            | Self::Point { point }
+            | Self::Line { point, .. }
+            | Self::Piece { point, .. } => *point,
         }
     }
 
@@ -193,7 +194,9 @@ mod tests {
             piece(axis, Some(0.2)),
             piece(-axis, Some(0.1)),
         ];
-        let sides = |skeleton| [1.0, -1.0].map(|sign| Surface { skeleton, level: 0.8, lost: Vec3::zeros(), sign, carried: false });
+        let sides = |skeleton| {
+            [1.0, -1.0].map(|sign| Surface { skeleton, level: 0.8, lost: Vec3::zeros(), sign, carried: false })
+        };
         skeletons.into_iter().flat_map(sides).collect()
     }
 

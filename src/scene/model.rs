@@ -9,9 +9,9 @@ mod pose;
 use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
 
+pub use obstacle::{Hinge, Obstacle, ObstacleNumber, ObstaclePose, Side, Skeleton};
 #[cfg(feature = "solver")]
 pub(crate) use obstacle::{Push, overlaps};
-pub use obstacle::{Hinge, Obstacle, ObstacleNumber, ObstaclePose, Side, Skeleton};
 #[cfg(feature = "solver")]
 pub(crate) use pose::RemainingPath;
 pub use pose::{Pose, PosePath};

@@ -140,7 +140,8 @@ mod tests {
         let (point, axis) = (Vec3::new(0.3, -0.2, 0.5), Vec3::new(2.0, -1.0, 3.0));
         let points = [Vec3::zeros(), Vec3::new(4.0, 1.0, 2.0)];
         let hinge = Some(Hinge { through: Vec3::new(1.0, 0.0, -1.0), axis: Vec3::new(0.0, 2.0, 1.0) });
-        let placement = ObstaclePose { level: 1.7, displacement: Vec3::new(0.4, 0.1, -0.6), turns: 0.3, ..ObstaclePose::default() };
+        let placement =
+            ObstaclePose { level: 1.7, displacement: Vec3::new(0.4, 0.1, -0.6), turns: 0.3, ..ObstaclePose::default() };
         let size = (0.8, Side::Inside);
         for made in [Obstacle::sphere("ball", point, size), Obstacle::cylinder("tube", [point, axis], size)] {
             let obstacle = Obstacle { hinge, ..made };

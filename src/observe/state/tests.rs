@@ -227,7 +227,8 @@ fn what_nothing_hinders_is_noted() {
 /// and no strand may be in the bead.
 #[test]
 fn what_a_bead_bears_is_balanced_and_its_gap_is_kept() {
-    let rods = vec![line("arm", [0.0, 0.0, 0.13], Vec3::x(), RADIUS), line("beam", [1.0, -0.5, 0.0], Vec3::y(), RADIUS)];
+    let rods =
+        vec![line("arm", [0.0, 0.0, 0.13], Vec3::x(), RADIUS), line("beam", [1.0, -0.5, 0.0], Vec3::y(), RADIUS)];
     let node = |rod, node| NodeRef { rod, node };
     let supports = [(0, 0), (1, 0), (1, 18)].map(|(rod, at)| Support::clamp(node(rod, at))).to_vec();
     let obstacles = vec![Obstacle::bead("bead", &rods, node(0, 18), 0.1)];

@@ -132,7 +132,8 @@ const MOST_HALF_TURNS: u32 = 99;
 pub(super) fn overhand(length: f64, half_turns: i32) -> Result<Vec<Vec3>, InputError> {
     let count = half_turns.unsigned_abs();
     if count % 2 == 0 || !(3..=MOST_HALF_TURNS).contains(&count) {
-        let reason = format!("{half_turns} tie no knot: give an odd number, 3 to {MOST_HALF_TURNS} or −{MOST_HALF_TURNS} to −3");
+        let reason =
+            format!("{half_turns} tie no knot: give an odd number, 3 to {MOST_HALF_TURNS} or −{MOST_HALF_TURNS} to −3");
         return Err(InputError::inconsistent("shape.half_turns", reason));
     }
     let crossings = f64::from(count);
@@ -142,7 +143,12 @@ pub(super) fn overhand(length: f64, half_turns: i32) -> Result<Vec<Vec3>, InputE
     let size = |points: &[Vec3]| points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>();
     let least = 3.0 * half;
     let straight = 0.5 * (length - size(&wound(least)));
-    InputError::check("shape.length", length, straight >= 0.0, "longer: there is no room for the knot, over the radius")?;
+    InputError::check(
+        "shape.length",
+        length,
+        straight >= 0.0,
+        "longer: there is no room for the knot, over the radius",
+    )?;
     let points = wound(least + straight);
     let (first, up) = (points[0], f64::from(half_turns.signum()));
     Ok(points.into_iter().map(|p| p - first).map(|p| Vec3::new(p.x, p.y, up * p.z)).collect())

@@ -6,9 +6,7 @@ use crate::rod::Rod;
 use crate::scene::{Hinge, NodeRef, Obstacle, ObstacleNumber, Ramp, Side};
 
 use super::build::{node, nodes};
-use super::text::{
-    BeadText, HingeText, ObstacleRampText, ObstacleText, PlaneText, SceneText, ShapeOfObstacle, SideOfObstacle,
-};
+use super::text::{BeadText, HingeText, ObstacleRampText, ObstacleText, SceneText, ShapeOfObstacle, SideOfObstacle};
 use super::values::GripText;
 
 /// All obstacles of a scene: planes, others, beads of the rods, grips of the supports. The only plane needs no name, nor does the

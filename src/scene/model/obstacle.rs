@@ -342,7 +342,8 @@ impl Model {
             let allowed = "a node of the model";
             return Err(InputError::Count { field, value: node, allowed });
         };
-        if matches!(obstacle.skeleton, Skeleton::Plane { .. } | Skeleton::Line { .. }) || obstacle.side == Side::Inside {
+        if matches!(obstacle.skeleton, Skeleton::Plane { .. } | Skeleton::Line { .. }) || obstacle.side == Side::Inside
+        {
             return refuse("only spheres and capsules that rods stay outside of are carried by a node");
         }
         if *at != obstacle.skeleton.point() {
@@ -362,7 +363,6 @@ impl Model {
         let nodes = obstacle.carrier.map_or(Vec::new(), |node| self.joined_nodes(node));
         nodes.into_iter().filter(|at| at.rod == rod).map(of_node).collect()
     }
-
 
     fn check_obstacle(&self, place: &str, obstacle: &Obstacle) -> Result<(), InputError> {
         let vector = |key: &str, value: &Vec3, ok: bool, allowed: &'static str| {
@@ -438,41 +438,43 @@ impl Model {
 impl Model {
     /// Refuses a rod whose surface is beyond that of an obstacle.
     fn check_clear(&self, field: &str, obstacle: &Obstacle, index: usize) -> Result<(), InputError> {
-    let rod = &self.rods[index];
-    if !self.is_touchable(rod) { return Ok(()); }
-    let (spacing, radius) = (rod.spacing(), rod.section.contact_radius);
-    let surface = obstacle.placed(&obstacle.start());
-    let left_out = self.left_out(obstacle, obstacle.radius, index);
-    let mut deepest = (DEEP * radius, None);
+        let rod = &self.rods[index];
+        if !self.is_touchable(rod) {
+            return Ok(());
+        }
+        let (spacing, radius) = (rod.spacing(), rod.section.contact_radius);
+        let surface = obstacle.placed(&obstacle.start());
+        let left_out = self.left_out(obstacle, obstacle.radius, index);
+        let mut deepest = (DEEP * radius, None);
         let round = if rod.closed { rod.length } else { 0.0 };
         let touches = |k: &usize| !overlaps(&left_out, [*k, *k + 1].map(|k| spacing * k as f64), round);
-    for k in (0..rod.num_segments()).filter(touches) {
-        let [a, b] = [k, (k + 1) % rod.num_nodes()];
-        let handle = |n: usize| rod.frames[n] * Vec3::z() * (spacing / 3.0);
-        let (start, end) = (rod.positions[a], rod.positions[b]);
-        // the contact centreline
-        let points = [start, start + handle(a), end - handle(b), end];
-        for i in 0..=POINTS {
-            let u = i as f64 / POINTS as f64;
-            let point: Vec3 = cubic_weights(u).iter().zip(&points).map(|(w, point)| point * *w).sum();
-            let depth = radius - surface.distance(&(point - surface.point()));
-            if depth > deepest.0 {
-                deepest = (depth, Some((spacing * (k as f64 + u), point)));
+        for k in (0..rod.num_segments()).filter(touches) {
+            let [a, b] = [k, (k + 1) % rod.num_nodes()];
+            let handle = |n: usize| rod.frames[n] * Vec3::z() * (spacing / 3.0);
+            let (start, end) = (rod.positions[a], rod.positions[b]);
+            // the contact centreline
+            let points = [start, start + handle(a), end - handle(b), end];
+            for i in 0..=POINTS {
+                let u = i as f64 / POINTS as f64;
+                let point: Vec3 = cubic_weights(u).iter().zip(&points).map(|(w, point)| point * *w).sum();
+                let depth = radius - surface.distance(&(point - surface.point()));
+                if depth > deepest.0 {
+                    deepest = (depth, Some((spacing * (k as f64 + u), point)));
+                }
             }
         }
-    }
-    let (depth, Some((arc, at))) = deepest else { return Ok(()) };
-    let reason = format!(
-        "rod \"{}\" starts beyond it: its surface is {depth} deep at arc {arc}, where its centreline is at ({}, {}, {}); move \
+        let (depth, Some((arc, at))) = deepest else { return Ok(()) };
+        let reason = format!(
+            "rod \"{}\" starts beyond it: its surface is {depth} deep at arc {arc}, where its centreline is at ({}, {}, {}); move \
          the rod, or the {}, by that along the normal",
-        rod.name,
-        at.x,
-        at.y,
-        at.z,
-        obstacle.kind()
-    );
-    Err(InputError::inconsistent(field, reason))
-}
+            rod.name,
+            at.x,
+            at.y,
+            at.z,
+            obstacle.kind()
+        );
+        Err(InputError::inconsistent(field, reason))
+    }
 }
 
 /// Whether an arc overlaps one of others, on a closed rod of length `round` also over its seam.

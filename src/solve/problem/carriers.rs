@@ -143,7 +143,8 @@ impl ContactSide {
         if self.carriers.iter().all(Option::is_none) {
             return false;
         }
-        let within = |reach: f64| near_bodies(&self.set, &self.surfaces, reach, |k, surface| self.can_touch(k, surface));
+        let within =
+            |reach: f64| near_bodies(&self.set, &self.surfaces, reach, |k, surface| self.can_touch(k, surface));
         if within(range).iter().all(|pair| self.near_bodies.binary_search(pair).is_ok()) {
             return false;
         }
@@ -180,7 +181,8 @@ impl BodyMotion {
     /// Of an obstacle; none of one that no node carries.
     pub(in crate::solve) fn of(side: &ContactSide, surface: usize, increment: &[f64]) -> Self {
         let six = |node: usize| [0, 3].map(|k| Vec3::from_column_slice(&increment[6 * node + k..6 * node + k + 3]));
-        let [displacement, rotation] = side.carriers[surface].as_ref().map_or([Vec3::zeros(); 2], |carrier| six(carrier.node));
+        let [displacement, rotation] =
+            side.carriers[surface].as_ref().map_or([Vec3::zeros(); 2], |carrier| six(carrier.node));
         Self { displacement, rotation }
     }
 

@@ -21,8 +21,7 @@ impl Engine {
         rods.into_iter().filter(|rod| self.bears_loads(*rod)).find(|&rod| {
             let body = self.model.joined_rods(rod);
             let Some(way) = self.model.way_down(&body, state.load_factor) else { return false };
-            let touches =
-                || self.touched(residual).any(|pair| pair.iter().filter(|r| body.contains(r)).count() == 1);
+            let touches = || self.touched(residual).any(|pair| pair.iter().filter(|r| body.contains(r)).count() == 1);
             !touches() && self.is_ahead_of_all(state, &body, &way)
         })
     }

@@ -163,9 +163,8 @@ fn left_by_surfaces(surfaces: &[Surface], (centre, length): (&Vec3, f64), planar
             Skeleton::Point { .. } | Skeleton::Piece { .. } => axes.iter().for_each(|axis| stays(*axis)),
             Skeleton::Line { axis, .. } => axes.iter().for_each(|e| stays(e - axis * axis.dot(e))),
         }
-        if let Skeleton::Plane { normal: axis, .. }
-        | Skeleton::Line { axis, .. }
-        | Skeleton::Piece { axis, .. } = surface.skeleton
+        if let Skeleton::Plane { normal: axis, .. } | Skeleton::Line { axis, .. } | Skeleton::Piece { axis, .. } =
+            surface.skeleton
         {
             axes.iter().for_each(|e| vanishes(Vec3::zeros(), e - axis * axis.dot(e)));
         }

@@ -524,14 +524,19 @@ mod tests {
         let rod = |name: &str, shape: &Shape, mesh| Rod::new(name, shape, mesh, section, Natural::Straight).unwrap();
         let rods = vec![rod("ring", &circle, RodMesh::closed(12, 1)), rod("arm", &line, RodMesh::open(4, 1))];
         let end = NodeRef { rod: 1, node: 4 };
-        let thick = |level: f64, length: Option<f64>| Obstacle { radius: level, ..Obstacle::grip("grip", &rods, end, length) };
+        let thick =
+            |level: f64, length: Option<f64>| Obstacle { radius: level, ..Obstacle::grip("grip", &rods, end, length) };
         for obstacle in [thick(0.5 * size, None), thick(0.1 * size, Some(0.8)), thick(0.9 * size, Some(0.4))] {
             let model = Model { rods: rods.clone(), obstacles: vec![obstacle], ..Model::default() };
             let mut engine = Engine::new(model, None).unwrap();
             let state = engine.state.clone();
-            for (by, turn, spin, ring) in
-                [(0.5, 0.0, 0.0, 0.0), (0.0, 0.7, 0.0, 0.0), (0.02, 0.3, 2.0, 0.3), (0.0, 0.0, 2.0, 0.0), (3.0, 0.9, 0.5, 1.0)]
-            {
+            for (by, turn, spin, ring) in [
+                (0.5, 0.0, 0.0, 0.0),
+                (0.0, 0.7, 0.0, 0.0),
+                (0.02, 0.3, 2.0, 0.3),
+                (0.0, 0.0, 2.0, 0.0),
+                (3.0, 0.9, 0.5, 1.0),
+            ] {
                 engine.update_contact(&state).unwrap();
                 let mut step = waves(&engine, 0.7, 0.1 * ring, 0.1 * ring);
                 for node in engine.first_node[1]..engine.first_node[2] {
@@ -543,12 +548,16 @@ mod tests {
                     let side = engine.contact.as_mut().unwrap();
                     side.place(&there);
                     let (surface, count) = (side.surfaces[0], side.set.curves[0].count);
-                    let points = side.set.segments[..count].iter().flat_map(|s| (0..=40).map(|k| s.point(f64::from(k) / 40.0)));
+                    let points =
+                        side.set.segments[..count].iter().flat_map(|s| (0..=40).map(|k| s.point(f64::from(k) / 40.0)));
                     points.map(|r| surface.distance(&(r - surface.point()))).fold(f64::INFINITY, f64::min)
                 };
                 let start = least(0.0);
                 let kept = (0.5 * radius).min(0.75 * start) - 0.06 * radius;
-                assert!(t > 0.0 && start > 0.0 && (by + turn + ring > 0.0 || t == 1.0), "{by} {turn} {spin} {ring}: {t}");
+                assert!(
+                    t > 0.0 && start > 0.0 && (by + turn + ring > 0.0 || t == 1.0),
+                    "{by} {turn} {spin} {ring}: {t}"
+                );
                 for k in 0..=40 {
                     let here = least(t * f64::from(k) / 40.0);
                     assert!(here >= kept, "{by} {turn} {spin} {ring}: {here} of {start} at {k}/40 of {t}");

@@ -217,7 +217,7 @@ pub(in super::super) enum ShapeText {
     /// An overhand knot in an open rod, between straight tails along x; tied loosely, about a round loop.
     Overhand {
         /// Length of the rod.
-        #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "at least 16 radii", "x-default" = "from `dna`"))]
+        #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "at least 15 radii, of 3 half turns", "x-default" = "from `dna`"))]
         length: Option<f64>,
         /// Radius of the loop.
         #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0))]

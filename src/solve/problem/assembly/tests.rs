@@ -224,8 +224,14 @@ fn engine_with_bodies(piece: Option<(f64, Option<f64>)>) -> Engine {
 /// Bodies that move and turn with free nodes: spheres, and capsules touched beside, at an end, and where both meet.
 #[test]
 fn gradient_and_tangent_at_carried_bodies_match_finite_differences() {
-    let cases =
-        [None, Some((0.5, None)), Some((-2.0, None)), Some((0.8, Some(0.05))), Some((-0.7, Some(0.2))), Some((3.0, Some(0.3)))];
+    let cases = [
+        None,
+        Some((0.5, None)),
+        Some((-2.0, None)),
+        Some((0.8, Some(0.05))),
+        Some((-0.7, Some(0.2))),
+        Some((3.0, Some(0.3))),
+    ];
     for piece in cases {
         let mut engine = engine_with_bodies(piece);
         let state = engine.state.clone();
