@@ -34,7 +34,7 @@ const SECTION: &str =
 /// A cantilever with a ball at its end, above the middle of a beam across it that is clamped at both ends; the clamp of the
 /// cantilever goes down by `depth` beyond the height at which the ball touches.
 fn pressed(carrier: &str, depth: f64) -> String {
-    let height = 0.2 + 0.01;
+    let height = 0.21;
     format!(
         "[[rods]]\nname = \"beam\"\nshape = {{ kind = \"line\", start = [-1, 0, 0], direction = [1, 0, 0], length = 2.0 }}\n\
          {SECTION}\nelements = 16\n\
