@@ -88,6 +88,25 @@ fn a_grip_bears_as_the_rod_would() {
     assert!((arm[1].x.abs() / arm[0].z.abs() - l - a).abs() < 2e-3, "{}", arm[1].x / arm[0].z);
 }
 
+/// A ring about a hanging rod, wider than the rod and narrower than the ball at its lower end, falls onto the ball and tilts until the
+/// rod is in its way: the clamp of the rod bears its weight.
+#[test]
+fn a_ring_hangs_on_a_bead() {
+    let text = "gravity = [0.0, 0.0, -1.0]\n[[rods]]\nname = \"stick\"\n\
+        shape = { kind = \"line\", direction = [0.1, 0.0, -1.0], length = 3.0 }\n\
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }\nelements = 12\n\
+        beads = [{ at = \"end\", radius = 0.5, name = \"bob\" }]\n\
+        [[rods]]\nname = \"ring\"\nclosed = true\n\
+        shape = { kind = \"circle\", radius = 0.45, center = [0.26, 0.0, -2.5], normal = [0.1, 0.05, -1.0] }\n\
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }\nelements = 12\n\
+        weight = 0.05\n[[supports]]\nrod = \"stick\"\nat = \"start\"\nposition = true\nrotation = true\n";
+    let (_, seen) = run(text);
+    let (last, weight) = (&seen[0], 0.05 * 0.45 * std::f64::consts::TAU);
+    let clamp = Vec3::from(last.reactions[0].force);
+    assert!((clamp - Vec3::z() * weight).norm() < 1e-6 * weight, "{clamp} {weight}");
+    assert!(last.obstacle_reactions[0].force > weight && !last.sites.is_empty(), "{:?}", last.obstacle_reactions);
+}
+
 /// An overhand knot between grips keeps its type at every step while it is pulled to its tightest.
 #[test]
 fn an_overhand_knot_stays_tied() {
