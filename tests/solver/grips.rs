@@ -138,6 +138,26 @@ fn a_knot_slips_over_points_and_not_over_grips() {
     assert!(sum.norm() < 1e-6, "{sum}");
 }
 
+/// Tweezers at a force so low that loops pass over the ends: between points all six turns are lost, between grips, or beads as large as
+/// the magnetic ones are for short molecules, none.
+#[test]
+fn tweezers_keep_every_turn() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/tweezers.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace("length = 400.0", "length = 200.0").replace("force = [2.0", "force = [0.05");
+    let text =
+        text.replace("turns = 12.0", "turns = 6.0").replace("steps = 12", "steps = 3").replace("balanced", "draft");
+    let turns = |text: &str| run(text).1.iter().map(|step| step.ends[0].link.unwrap()).collect::<Vec<f64>>();
+    let beads = "[[rods]]\nbeads = [{ at = \"start\", radius = 60.0 }, { at = \"end\", radius = 60.0 }]";
+    let held = [text.replace("[[supports]]", "[[supports]]\ngrip = \"endless\""), text.replace("[[rods]]", beads)];
+    for text in held {
+        for (step, kept) in turns(&text)[1..].iter().enumerate() {
+            assert!((kept - 2.0 * step as f64).abs() < 1e-4, "{kept} at step {step}");
+        }
+    }
+    assert!(turns(&text)[4].abs() < 1e-4, "points keep them, too: nothing is tested");
+}
+
 /// What is wrong with a bead or a grip is refused by name.
 #[test]
 fn beads_and_grips_without_sense_are_refused() {
