@@ -12,6 +12,7 @@ mod knots;
 mod memory;
 mod mesh;
 mod obstacles;
+mod places;
 mod poses;
 mod reference;
 mod section;

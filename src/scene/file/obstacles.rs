@@ -5,7 +5,7 @@ use crate::math::Vec3;
 use crate::rod::Rod;
 use crate::scene::{Hinge, NodeRef, Obstacle, ObstacleNumber, Ramp, Side};
 
-use super::build::{node, nodes};
+use super::places::{node, nodes};
 use super::text::{BeadText, HingeText, ObstacleRampText, ObstacleText, SceneText, ShapeOfObstacle, SideOfObstacle};
 use super::values::GripText;
 

@@ -12,7 +12,7 @@ use crate::math::Vec3;
 use crate::math::signed_distance::Surface;
 use crate::scene::{Electrostatics, Model, Obstacle};
 use crate::solve::measures::NOTHING;
-use crate::solve::problem::carriers::Carrier;
+use crate::solve::problem::carrier::Carrier;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::joint_surroundings::joint_surroundings;

@@ -8,7 +8,7 @@ use crate::contact::potential::{self, ContactPair, Pressures, Request};
 use crate::math::{Vec3, parallel};
 use crate::solve::measures::AT_ONCE;
 use crate::solve::problem::assembly::Residual;
-use crate::solve::problem::carriers::BodyMotion;
+use crate::solve::problem::carried_bodies::BodyMotion;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;

@@ -22,7 +22,7 @@ use crate::math::Vec3;
 use crate::math::bernstein::{Roots, derivative, eval, roots};
 use crate::math::signed_distance::{Skeleton, Surface};
 use crate::solve::measures::{MAX_ROUNDS, ROUNDING};
-use crate::solve::problem::carriers::BodyMotion;
+use crate::solve::problem::carried_bodies::BodyMotion;
 use crate::solve::problem::contact_side::ContactSide;
 
 /// By how much a bound may be below φ, over the radius or the present distance, because steps lose as much.

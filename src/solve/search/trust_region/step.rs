@@ -3,7 +3,7 @@
 
 use crate::error::SolveError;
 use crate::solve::problem::assembly::Residual;
-use crate::solve::problem::carriers::BodyMotion;
+use crate::solve::problem::carried_bodies::BodyMotion;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::zero_energy::is_falling;
