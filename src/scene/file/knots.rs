@@ -131,7 +131,7 @@ const MOST_HALF_TURNS: u32 = 99;
 /// [`InputError::Inconsistent`] for numbers of half turns that tie no knot; [`InputError::Value`] for a rod that is too short.
 pub(super) fn overhand(length: f64, half_turns: i32) -> Result<Vec<Vec3>, InputError> {
     let count = half_turns.unsigned_abs();
-    if count % 2 == 0 || !(3..=MOST_HALF_TURNS).contains(&count) {
+    if count.is_multiple_of(2) || !(3..=MOST_HALF_TURNS).contains(&count) {
         let reason =
             format!("{half_turns} tie no knot: give an odd number, 3 to {MOST_HALF_TURNS} or −{MOST_HALF_TURNS} to −3");
         return Err(InputError::inconsistent("shape.half_turns", reason));
