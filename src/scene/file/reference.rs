@@ -365,10 +365,3 @@ fn default(property: &Value) -> String {
 fn number(value: &Value) -> String {
     value.as_f64().map_or_else(|| value.to_string(), |number| number.to_string())
 }
-#[cfg(test)]
-mod temporary {
-    #[test]
-    fn surface_write_reference() {
-        std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/src/scene/reference.md"), super::reference()).unwrap();
-    }
-}
