@@ -5,6 +5,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use supercoil::io::run::options;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
@@ -15,7 +16,7 @@ use supercoil::solve::{self, Options, Solution, Status};
 fn run(text: &str) -> (Solution, Vec<Observation>) {
     let scene = Scene::from_toml(text, Path::new("")).unwrap();
     let mut seen = Vec::new();
-    let options = Options { threads: Some(1), ..Options::default() };
+    let options = Options { threads: Some(1), ..options(&scene) };
     let solution = solve::run(scene.model, &scene.stages, &options, &mut |progress| {
         seen.push(observe(progress));
         ControlFlow::Continue(())
