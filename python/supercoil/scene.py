@@ -71,6 +71,8 @@ class Rod:
     weight: float | None = None
     #: Part of the natural state of a table, or of the change of it by proteins, at the start: 0 to 1.
     binding: float | None = None
+    #: Balls about nodes that move with them and take part in contact: ``{"at": …, "radius": …, "name": …}`` [L].
+    beads: Sequence[Table] | None = None
     #: (n, 3) points [L] of the centreline at the start, in place of ``shape``.
     points: ArrayLike | None = None
     #: (n, 4, 3) base pairs [nm]: origin, d1, d2, d3; in place of ``shape``.
@@ -92,13 +94,15 @@ class Rod:
 
 @dataclass(kw_only=True)
 class Support:
-    """Fixes a node of ``rod`` (a name, or several; by default the only one): ``at`` is "start", "end", a node index or ``{"arc": s}``; ``position`` and ``rotation`` are True or
-    a list of axes such as ``["x", "y"]``."""
+    """Fixes a node of ``rod`` (a name, or several; by default the only one): ``at`` is "start", "end", a node index or
+    ``{"arc": s}``; ``position`` and ``rotation`` are True or a list of axes such as ``["x", "y"]``. ``grip``: the length [L]
+    of a rigid capsule that prolongs an end of an open rod, or ``"endless"``: no loop and no knot slips over it."""
 
     at: str | int | Table
     rod: str | list[str] | None = None
     position: bool | list[str] = False
     rotation: bool | list[str] = False
+    grip: float | Literal["endless", "none"] | None = None
 
 
 @dataclass(kw_only=True)

@@ -202,9 +202,9 @@ class State:
 
     @property
     def obstacle_reactions(self) -> list[dict[str, Any]]:
-        """What each plane, cylinder and sphere exerts: ``obstacle`` (index, planes first), ``placement`` (``level``, of a plane its
-        displacement along its normal, of others the radius [L]; ``displacement`` [L], ``turns``), ``force``, the integral of the
-        pressure [F], ``force_on_rods`` [F]."""
+        """What each plane, cylinder, sphere, bead and grip exerts: ``obstacle`` (index: planes, obstacles, beads, grips), ``placement``
+        (``level``, of a plane its displacement along its normal, of others the radius [L]; ``displacement`` [L], ``turns``;
+        ``rotation``, of what a node carries, a rotation vector), ``force``, the integral of the pressure [F], ``force_on_rods`` [F]."""
         return list(self.observation["obstacle_reactions"])
 
     @property

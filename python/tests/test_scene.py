@@ -215,6 +215,20 @@ def test_states_become_polydata() -> None:
     assert np.array_equal(mesh.point_data["d3"], state.frames[:, 2])
 
 
+def test_beads_and_grips_are_obstacles_of_their_rod() -> None:
+    line = {"kind": "line", "length": 1.0}
+    section = {"bending": 1.0, "twisting": 1.0, "stretching": 1e4, "shearing": 1e4, "contact_radius": 0.01}
+    rod = Rod(shape=line, section=section, elements=4, beads=[{"at": 6, "radius": 0.05}])
+    held = [
+        Support(at="start", position=True, rotation=True, grip="endless"),
+        Support(at="end", position=True, rotation=True, grip=0.3),
+    ]
+    reactions = Scene(rod, supports=held).run().state.obstacle_reactions
+    assert [entry["placement"]["level"] for entry in reactions] == [0.05, 0.01, 0.01]
+    with pytest.raises(InputError, match="grip"):
+        Scene(rod, supports=[Support(at="start", position=True, rotation=True, grip="long")])  # type: ignore[arg-type]
+
+
 KEYS = {
     Rod: ("RodText", {"points", "frames"}),
     Support: ("SupportText", set()),

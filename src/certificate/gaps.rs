@@ -19,7 +19,8 @@ use super::arcs::{Arc, Arcs};
 use super::obstacles::at_obstacle;
 use super::{Check, Subject};
 use crate::math::{Vec3, parallel};
-use crate::scene::ContactLaw;
+use crate::scene::model::overlaps;
+use crate::scene::{ContactLaw, Model, Obstacle};
 
 /// Turning, rad, of a rod between two points that may touch, half of what Fenchel asks for, because turning is known by the arc
 /// only.
@@ -236,9 +237,13 @@ pub(crate) fn gaps(subject: &Subject, arcs: &Arcs) -> (Option<OwnGap>, Option<Ch
             nearest = Some(OwnGap { gap, accuracy: TOL_GAP * least, rods: [a.rod, b.rod], arcs: at });
         }
     }
-    for (obstacle, placement) in model.obstacles.iter().zip(&state.placements) {
-        let at = at_obstacle(obstacle, placement);
-        for arc in &arcs.all {
+    for (k, obstacle) in model.obstacles.iter().enumerate() {
+        let at = at_obstacle(subject, k);
+        let own: Vec<Vec<[f64; 2]>> =
+            (0..model.rods.len()).map(|rod| beside_node(model, (obstacle, state.placements[k].level), rod)).collect();
+        let round = |rod: usize| if model.rods[rod].closed { model.rods[rod].length } else { 0.0 };
+        let touches = |arc: &&Arc| !overlaps(&own[arc.rod], [arc.arc[0], arc.arc[0] + arc.arc[1]], round(arc.rod));
+        for arc in arcs.all.iter().filter(touches) {
             let (t, gap) = lowest(&|t| at(&arc.point(t)).0);
             let place = || {
                 let at = arc.arc[0] + t * arc.arc[1];
@@ -250,6 +255,14 @@ pub(crate) fn gaps(subject: &Subject, arcs: &Arcs) -> (Option<OwnGap>, Option<Ch
     }
     let (overlap, tol, detail) = worst;
     (nearest, Some(Check::new("gaps", overlap, tol, detail)))
+}
+
+/// Arc lengths of a rod \[L\] next to a node that carries an obstacle of this level, within which a rod that turns by half a turn may
+/// still be in it; contact leaves out whole segments.
+fn beside_node(model: &Model, (obstacle, level): (&Obstacle, f64), rod: usize) -> Vec<[f64; 2]> {
+    let spacing = model.rods[rod].spacing();
+    let widened = |[from, to]: [f64; 2]| [from - spacing, to + spacing];
+    model.left_out(obstacle, level, rod).into_iter().map(widened).collect()
 }
 
 /// Overlap that the law leaves, in radii of the thinnest rod: twice its tolerance, and what a penalty is reported to leave.

@@ -47,10 +47,7 @@ pub(super) fn check(subject: &Subject, arcs: &Arcs) -> Option<Check> {
         let cone = match at.partner {
             Counterpart::Strand { rod, arc } => Cone::of_strands(arcs, at, (rod, arc)),
             Counterpart::Opposite => continue,
-            Counterpart::Obstacle(k) => {
-                let (obstacle, placement) = (&subject.model.obstacles[k], &subject.state.placements[k]);
-                Cone::at_obstacle(arcs, at, at_obstacle(obstacle, placement))
-            }
+            Counterpart::Obstacle(k) => Cone::at_obstacle(arcs, at, at_obstacle(subject, k)),
         };
         let off = beyond(at, cone.as_ref()) * at.force.norm() / largest;
         worst.add(off, || format!("rod \"{}\" at arc {:.4}", subject.model.rods[at.rod].name, at.arc[0]));

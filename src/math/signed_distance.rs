@@ -4,15 +4,18 @@
 //! φ(x) = ±(δ(x) − ℓ)      δ = n·(x − p) from a plane, |x − p| from a point, |x − p − a a·(x − p)| from a line
 //! ```
 //!
-//! A body's surface is at one distance, its level ℓ, from its skeleton: a plane, a point, a line. A sphere is about a point,
-//! a cylinder about a line, a plane about itself. φ is positive where strands may be: outside (+) or inside (−). Its gradient is
-//! a unit vector, and its second derivative that of δ:
+//! A body's surface is at one distance, its level ℓ, from its skeleton: a plane, a point, a line, a piece of a line. A sphere is
+//! about a point, a cylinder about a line, a capsule about a piece, a plane about itself. φ is positive where strands may be:
+//! outside (+) or inside (−). Its gradient is a unit vector, and its second derivative that of δ:
 //!
 //! ```text
 //! ∇φ = ±e      ∇∇φ = ±(Q − e eᵀ)/δ      e = Q(x − p)/δ, Q = 1 about a point, 1 − a aᵀ about a line; 0 on a plane
 //! ```
+//!
+//! Beside a piece of a line δ is the distance from the line, before and behind it that from its ends: the gradient is
+//! continuous, the second derivative jumps.
 
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Quat, Vec3};
 
 /// What a body's surface is everywhere equally far from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +40,15 @@ pub enum Skeleton {
         /// Unit vector along it.
         axis: Vec3,
     },
+    /// A straight piece that begins at a point, of a capsule.
+    Piece {
+        /// Where it begins \[L\].
+        point: Vec3,
+        /// Unit vector along it.
+        axis: Vec3,
+        /// Its length \[L\]; without one it has no other end.
+        length: Option<f64>,
+    },
 }
 
 /// The surface of a rigid body. Points are relative to [`Self::point`], so that they are as accurate far from the origin.
@@ -45,16 +57,42 @@ pub(crate) struct Surface {
     pub(crate) skeleton: Skeleton,
     /// Distance of the surface from the skeleton, ℓ \[L\].
     pub(crate) level: f64,
+    /// Rounding error of [`Self::point`] \[L\]: it is at their sum.
+    pub(crate) lost: Vec3,
     /// 1 where strands are outside, −1 where they are inside.
     pub(crate) sign: f64,
+    /// Whether a node carries it: its point moves, and it turns about that, as the node does.
+    pub(crate) carried: bool,
 }
 
 impl Skeleton {
     /// The point that others are relative to.
     pub(crate) fn point(&self) -> Vec3 {
         match self {
-            Self::Plane { point, .. } | Self::Point { point } | Self::Line { point, .. } => *point,
+            Self::Plane { point, .. }
+            | Self::Point { point }
+            | Self::Line { point, .. }
+            | Self::Piece { point, .. } => *point,
         }
+    }
+
+    /// The same with its point there, turned.
+    pub(crate) fn moved(&self, there: Vec3, rotation: &Quat) -> Self {
+        match self {
+            Self::Plane { normal, .. } => Self::Plane { point: there, normal: rotation * normal },
+            Self::Point { .. } => Self::Point { point: there },
+            Self::Line { axis, .. } => Self::Line { point: there, axis: rotation * axis },
+            Self::Piece { axis, length, .. } => Self::Piece { point: there, axis: rotation * axis, length: *length },
+        }
+    }
+
+    /// From its point to where the line that it is a piece of leaves it, along the line \[L\]; none of others.
+    pub(crate) fn ends(&self) -> impl Iterator<Item = f64> + use<> {
+        let [first, last] = match self {
+            Self::Piece { length, .. } => [Some(0.0), *length],
+            _ => [None; 2],
+        };
+        first.into_iter().chain(last)
     }
 
     /// Whether distances from it are linear.
@@ -68,6 +106,10 @@ impl Skeleton {
             Self::Plane { normal, .. } => normal * normal.dot(r),
             Self::Point { .. } => *r,
             Self::Line { axis, .. } => r - axis * axis.dot(r),
+            Self::Piece { axis, length, .. } => {
+                let along = axis.dot(r).max(0.0);
+                r - axis * length.map_or(along, |length| along.min(length))
+            }
         }
     }
 
@@ -75,7 +117,7 @@ impl Skeleton {
     fn distance(&self, r: &Vec3) -> f64 {
         match self {
             Self::Plane { normal, .. } => normal.dot(r),
-            Self::Point { .. } | Self::Line { .. } => self.away(r).norm(),
+            _ => self.away(r).norm(),
         }
     }
 }
@@ -103,7 +145,8 @@ impl Surface {
         let across = match self.skeleton {
             Skeleton::Plane { .. } => return Mat3::zeros(),
             Skeleton::Point { .. } => Mat3::identity(),
-            Skeleton::Line { axis, .. } => Mat3::identity() - axis * axis.transpose(),
+            Skeleton::Piece { axis, length, .. } if !is_beside(axis.dot(r), length) => Mat3::identity(),
+            Skeleton::Line { axis, .. } | Skeleton::Piece { axis, .. } => Mat3::identity() - axis * axis.transpose(),
         };
         let distance = self.skeleton.distance(r);
         if distance == 0.0 {
@@ -129,6 +172,11 @@ impl Surface {
     }
 }
 
+/// Whether a place along a line is on the piece that begins at 0.
+fn is_beside(along: f64, length: Option<f64>) -> bool {
+    along > 0.0 && length.is_none_or(|length| along < length)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -136,15 +184,25 @@ mod tests {
     fn surfaces() -> Vec<Surface> {
         let point = Vec3::new(0.3, -0.2, 0.5);
         let axis = Vec3::new(2.0, -1.0, 2.0) / 3.0;
-        let skeletons =
-            [Skeleton::Plane { point, normal: axis }, Skeleton::Point { point }, Skeleton::Line { point, axis }];
-        let sides = |skeleton| [1.0, -1.0].map(|sign| Surface { skeleton, level: 0.8, sign });
+        let piece = |axis, length| Skeleton::Piece { point, axis, length };
+        let skeletons = [
+            Skeleton::Plane { point, normal: axis },
+            Skeleton::Point { point },
+            Skeleton::Line { point, axis },
+            piece(axis, None),
+            piece(-axis, None),
+            piece(axis, Some(0.2)),
+            piece(-axis, Some(0.1)),
+        ];
+        let sides = |skeleton| {
+            [1.0, -1.0].map(|sign| Surface { skeleton, level: 0.8, lost: Vec3::zeros(), sign, carried: false })
+        };
         skeletons.into_iter().flat_map(sides).collect()
     }
 
     #[test]
     fn gradient_and_curvature_match_finite_differences() {
-        let at = Vec3::new(0.9, 0.4, -0.7);
+        let at = Vec3::new(0.9, 0.4, -0.6);
         let h = 1e-5;
         for surface in surfaces() {
             let slope = Vec3::from_fn(|k, _| {

@@ -96,13 +96,13 @@ fn site(set: &CurveSet, run: &ObstacleRun, rods: &[usize], layer: &Layer) -> Obs
 }
 
 /// Force of each obstacle on all rods.
-pub(super) fn obstacle_reactions(placements: &[ObstaclePose], contacts: &[SurfaceContact]) -> Vec<ObstacleReaction> {
-    let of = |(obstacle, placement): (usize, &ObstaclePose)| {
+pub(super) fn obstacle_reactions(placements: Vec<ObstaclePose>, contacts: &[SurfaceContact]) -> Vec<ObstacleReaction> {
+    let of = |(obstacle, placement): (usize, ObstaclePose)| {
         let of_this = contacts.iter().filter(|contact| contact.surface == obstacle);
         let (force, push) = of_this
             .flat_map(|contact| &contact.zones)
             .fold((0.0, Vec3::zeros()), |(force, push), zone| (force + zone.moments[0], push + zone.force));
-        ObstacleReaction { obstacle, placement: *placement, force, force_on_rods: push.into() }
+        ObstacleReaction { obstacle, placement, force, force_on_rods: push.into() }
     };
-    placements.iter().enumerate().map(of).collect()
+    placements.into_iter().enumerate().map(of).collect()
 }

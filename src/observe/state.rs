@@ -145,10 +145,17 @@ fn certificate(
         let partner = Counterpart::Strand { rod: site.rod_b, arc: site.arc_b };
         [strand(site.rod_a, site.arc_a, 1.0, partner), strand(site.rod_b, site.arc_b, -1.0, Counterpart::Opposite)]
     });
-    let on_obstacles = obstacle_sites.iter().map(|site| {
+    let model = progress.engine.model();
+    let on_obstacles = obstacle_sites.iter().flat_map(|site| {
         let [force, moment, at] = [site.force_on_rod, site.moment_on_rod, site.nearest].map(Vec3::from);
         let partner = Counterpart::Obstacle(site.obstacle);
-        ContactForce { rod: site.rod, arc: site.arc, force, moment, at, partner, carried: site.force }
+        let on_rod = ContactForce { rod: site.rod, arc: site.arc, force, moment, at, partner, carried: site.force };
+        let on_carrier = model.obstacles[site.obstacle].carrier.map(|carrier| {
+            let arc = model.rods[carrier.rod].spacing() * carrier.node as f64;
+            let (force, moment, partner) = (-force, -moment, Counterpart::Opposite);
+            ContactForce { rod: carrier.rod, arc: [arc; 2], force, moment, partner, ..on_rod }
+        });
+        [Some(on_rod), on_carrier].into_iter().flatten()
     });
     let contact: Vec<ContactForce> = strands.chain(on_obstacles).collect();
     let of_support = |at: &Reaction| SupportForce {
@@ -235,7 +242,7 @@ fn obstacle_sites_of(engine: &Engine, residual: &Residual) -> Vec<ObstacleSite> 
 }
 
 fn obstacle_reactions_of(engine: &Engine, residual: &Residual) -> Vec<ObstacleReaction> {
-    obstacle_reactions(&engine.state().placements, &residual.surface_contacts)
+    obstacle_reactions(engine.placements(engine.state()), &residual.surface_contacts)
 }
 
 fn layer(engine: &Engine, side: &ContactSide) -> Layer {

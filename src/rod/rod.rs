@@ -215,6 +215,14 @@ impl Rod {
         self.contact_radii.as_ref().map_or(self.section.contact_radius, mean)
     }
 
+    /// Largest contact radius \[L\].
+    pub(crate) fn thickest(&self) -> f64 {
+        match &self.contact_radii {
+            None => self.section.contact_radius,
+            Some(_) => (0..self.num_segments()).map(|k| self.contact_radius_of(k)).fold(0.0, f64::max),
+        }
+    }
+
     /// Contact radius at arc length `s` \[L\]: that of its segment.
     #[cfg(feature = "solver")]
     pub(crate) fn contact_radius_at(&self, s: f64) -> f64 {

@@ -11,6 +11,7 @@ mod help;
 mod memory;
 mod mesh;
 mod obstacles;
+mod places;
 mod poses;
 mod reference;
 mod section;

@@ -9,15 +9,16 @@ mod pose;
 use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
 
-#[cfg(feature = "solver")]
-pub(crate) use obstacle::Push;
 pub use obstacle::{Hinge, Obstacle, ObstacleNumber, ObstaclePose, Side, Skeleton};
+#[cfg(feature = "solver")]
+pub(crate) use obstacle::{Push, overlaps};
 #[cfg(feature = "solver")]
 pub(crate) use pose::RemainingPath;
 pub use pose::{Pose, PosePath};
 
 /// A node of a rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NodeRef {
     /// Index of the rod in [`Model::rods`].
     pub rod: usize,

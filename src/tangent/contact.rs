@@ -152,7 +152,10 @@ pub(super) fn coupled(engine: &Engine, contacts: &[Touching]) -> Vec<Vec<usize>>
     let Some(side) = &engine.contact else { return Vec::new() };
     let of_place = |place: &TouchPlace| match place {
         TouchPlace::Pair(pair) => pair.iter().flat_map(|&segment| side.nodes[segment]).collect::<Vec<_>>(),
-        TouchPlace::Surface(segment, _) => side.nodes[*segment].to_vec(),
+        TouchPlace::Surface(segment, surface) => {
+            let (nodes, count) = side.nodes_at_surface(*segment, *surface);
+            nodes[..count].to_vec()
+        }
     };
     contacts.iter().filter(|contact| contact.is_point).map(|c| c.places.iter().flat_map(of_place).collect()).collect()
 }
@@ -231,7 +234,8 @@ fn nearest(side: &ContactSide, places: &[TouchPlace], residual: &Residual) -> Op
     let surfaces = surfaces.filter(|contact| is_of(TouchPlace::Surface(contact.segment, contact.surface)));
     let surface = surfaces.min_by(|a, b| a.min_gap().total_cmp(&b.min_gap())).and_then(|contact| {
         let point = contact.nearest(&side.set, &side.surfaces[contact.surface])?;
-        Some((contact.min_gap(), at_nodes(&side.nodes[contact.segment], &point.gap_gradient)))
+        let (nodes, count) = side.nodes_at_surface(contact.segment, contact.surface);
+        Some((contact.min_gap(), at_nodes(&nodes[..count], &point.gap_gradient)))
     });
     strand.into_iter().chain(surface).min_by(|a, b| a.0.total_cmp(&b.0))
 }
@@ -267,9 +271,10 @@ pub(super) fn gap_rates(engine: &Engine, contacts: &[Touching], residual: &Resid
     }
     for contact in &residual.surface_contacts {
         let Some(&index) = owner.get(&TouchPlace::Surface(contact.segment, contact.surface)) else { continue };
-        let (surface, nodes) = (&side.surfaces[contact.surface], side.nodes[contact.segment]);
+        let surface = &side.surfaces[contact.surface];
+        let (nodes, count) = side.nodes_at_surface(contact.segment, contact.surface);
         rates[index].extend(contact.gap_gradients(&side.set).map(|(point, stiffness)| {
-            let rate = at_nodes(&nodes, &point.gap_gradient);
+            let rate = at_nodes(&nodes[..count], &point.gap_gradient);
             let by = PushedBy { obstacle: contact.surface, sign: surface.sign, normal: point.normal, at: point.at };
             GapRate { rate, stiffness, rods: [rod(contact.segment), None], surface: Some(by), is_point: false }
         }));

@@ -61,6 +61,7 @@ fn the_reference_has_all_keys_and_no_more() {
             ("scene", _) => "zzz = 1".to_owned(),
             ("rods.shape", Some(kind)) => rods(&format!("shape = {{ kind = \"{kind}\", zzz = 1 }}")),
             ("rods.shape", None) => continue,
+            ("rods.beads", _) => rods("beads = [{ zzz = 1 }]"),
             (table, _) => match table.rsplit_once('.') {
                 Some(("rods", key)) => rods(&format!("{key} = {{ zzz = 1 }}")),
                 Some(("stages.ramp", key)) => ramp(&format!("{key} = {{ zzz = 1 }}")),

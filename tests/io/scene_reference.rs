@@ -73,6 +73,9 @@ fn template(key: &Key) -> String {
                 ("knot", "component") => "braid = [1, 1, 1], length = 60.0, ",
                 ("knot", "name" | "braid" | "pd") => "length = 60.0, ",
                 ("knot", _) => "name = \"3_1\", length = 60.0, ",
+                ("overhand", "length") => "radius = 1e-5, ",
+                ("overhand", "radius") => "length = 0.03, ",
+                ("overhand", _) => "length = 6.0, radius = 0.1, ",
                 ("torus_knot", "length") => "windings = [2, 3], ",
                 ("torus_knot", _) => "length = 6.0, windings = [2, 3], ",
                 ("plectoneme", "angle") => "length = 6.0, distance = 0.2, ",
@@ -86,6 +89,8 @@ fn template(key: &Key) -> String {
             let closed = ["circle", "points", "knot", "torus_knot", "plectoneme"].contains(&kind);
             shape(&format!("{others}kind = \"{kind}\""), if closed { "closed = true\n" } else { "" })
         }
+        ("rods.beads", "radius") => line() + "beads = [{ at = 18, @ }]\n",
+        ("rods.beads", _) => line() + "beads = [{ at = 18, radius = 0.1, @ }]\n",
         ("rods.section", "contact_radius") => {
             section("bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, ")
         }
@@ -232,7 +237,7 @@ fn content(mut scene: Scene) -> String {
 }
 
 /// Defaults in words.
-const DEFAULTS_IN_WORDS: [&str; 36] = [
+const DEFAULTS_IN_WORDS: [&str; 38] = [
     "0 if a stage ramps `load`, otherwise 1",
     "needed without `braid` or `pd`",
     "from `dna`, or by `distance`",
@@ -263,6 +268,8 @@ const DEFAULTS_IN_WORDS: [&str; 36] = [
     "twice the contact radius",
     "that of least energy at `excess_link`",
     "`rod`, of an only rod",
+    "`ROD_bead`, with a number if the rod has several",
+    "`\"none\"`: the rod ends in a point",
     "`plane`, of an only plane",
     "the writhe of the shape",
     "by `fidelity`; a node a base pair of a `sequence`; those of a `state`",

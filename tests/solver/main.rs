@@ -33,6 +33,7 @@ mod error_estimate;
 mod everyday_scenes;
 mod fidelity;
 mod free_rods;
+mod grips;
 mod held_motions;
 mod honest_endings;
 mod joined;

@@ -1,5 +1,6 @@
 //! Obstacles are drawn as lines: a plane as a grid below the rods, a sphere as circles of latitude and longitude, a cylinder as
-//! circles and straight lines along the rods. The side that rods are on is seen, so that a ball hides its back and a tube is cut open.
+//! circles and straight lines along the rods, a capsule as a sphere about either end and a cylinder between them. The side
+//! that rods are on is seen, so that a ball hides its back and a tube is cut open.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,6 +14,8 @@ const SQUARES: f64 = 8.0;
 const EDGES: usize = 48;
 /// Circles through both poles of a sphere, and straight lines along a cylinder over two: as many as still let rods be seen.
 const MERIDIANS: usize = 8;
+/// Length of an endless capsule that is drawn, in radii: as much as shows its direction.
+const SHOWN: f64 = 8.0;
 /// Circles of a cylinder, at most.
 const MOST_CIRCLES: f64 = 24.0;
 
@@ -23,6 +26,12 @@ pub fn lines<'a>(obstacle: &Obstacle, points: impl Iterator<Item = &'a Vec3>) ->
         Skeleton::Plane { point, normal } => grid(point, normal, points),
         Skeleton::Point { point } => sphere(point, obstacle.radius),
         Skeleton::Line { point, axis } => cylinder([point, &axis.normalize()], obstacle.radius, points),
+        Skeleton::Piece { point, axis, length } => {
+            let drawn = length.unwrap_or(SHOWN * obstacle.radius);
+            let ends = [*point, point + axis * drawn];
+            let inside = ends.iter().flat_map(|end| sphere(end, obstacle.radius));
+            inside.chain(cylinder([point, axis], obstacle.radius, ends.iter())).collect()
+        }
     }
 }
 
@@ -152,7 +161,8 @@ mod tests {
         let (point, axis) = (Vec3::new(0.3, -0.2, 0.5), Vec3::new(2.0, -1.0, 3.0));
         let points = [Vec3::zeros(), Vec3::new(4.0, 1.0, 2.0)];
         let hinge = Some(Hinge { through: Vec3::new(1.0, 0.0, -1.0), axis: Vec3::new(0.0, 2.0, 1.0) });
-        let placement = ObstaclePose { level: 1.7, displacement: Vec3::new(0.4, 0.1, -0.6), turns: 0.3 };
+        let placement =
+            ObstaclePose { level: 1.7, displacement: Vec3::new(0.4, 0.1, -0.6), turns: 0.3, ..ObstaclePose::default() };
         let size = (0.8, Side::Inside);
         for made in [Obstacle::sphere("ball", point, size), Obstacle::cylinder("tube", [point, axis], size)] {
             let obstacle = Obstacle { hinge, ..made };

@@ -6,7 +6,7 @@ use super::*;
 use crate::math::Quat;
 use crate::math::quaternion::exp;
 use crate::rod::{Natural, RodMesh, Section, Shape};
-use crate::scene::{ContactLaw, Joint, Model, NodeLoad, Ramp, Stage, Support};
+use crate::scene::{ContactLaw, Joint, Model, NodeLoad, Obstacle, Ramp, Stage, Support};
 use crate::solve::{self, Given, Options, State, StepReport};
 
 const RADIUS: f64 = 0.02;
@@ -221,4 +221,32 @@ fn what_nothing_hinders_is_noted() {
     assert!(checks.iter().all(|check| check.holds));
     assert!(notes.len() == 2 && notes[0].contains("2.0000 turns less than prescribed"), "{notes:?}");
     assert!(notes[1].contains("\"lower\" is 3_1, not 0_1 as given"), "{notes:?}");
+}
+
+/// A clamped rod whose bead lies on another one: what the strand is reported to bear acts on the rod of the bead, about its node,
+/// and no strand may be in the bead.
+#[test]
+fn what_a_bead_bears_is_balanced_and_its_gap_is_kept() {
+    let rods =
+        vec![line("arm", [0.0, 0.0, 0.13], Vec3::x(), RADIUS), line("beam", [1.0, -0.5, 0.0], Vec3::y(), RADIUS)];
+    let node = |rod, node| NodeRef { rod, node };
+    let supports = [(0, 0), (1, 0), (1, 18)].map(|(rod, at)| Support::clamp(node(rod, at))).to_vec();
+    let obstacles = vec![Obstacle::bead("bead", &rods, node(0, 18), 0.1)];
+    let down = Ramp::Displacement { node: node(0, 0), to: -Vec3::z() * 0.04 };
+    let model = Model { rods, supports, obstacles, ..Model::default() };
+    let rest = at_rest(model, &[Stage { ramps: vec![down], steps: 2 }]);
+    assert!(rest.seen.obstacle_sites.len() == 1 && rest.seen.sites.is_empty(), "{:?}", rest.seen.obstacle_sites);
+    assert!(rest.seen.obstacle_sites[0].force > 0.05, "{:?}", rest.seen.obstacle_sites);
+    assert_eq!(rest.failing(|_, _| ()), Vec::<String>::new());
+    let weaker = rest.failing(|_, seen| {
+        let site = &mut seen.obstacle_sites[0];
+        site.force *= 0.99;
+        site.force_on_rod.iter_mut().for_each(|f| *f *= 0.99);
+    });
+    assert_eq!(weaker, ["balance of nodes", "balance of bodies"]);
+    let slanted = rest.failing(|_, seen| seen.obstacle_sites[0].force_on_rod[0] += 0.01 * seen.obstacle_sites[0].force);
+    assert!(slanted.contains(&"normals".to_owned()), "{slanted:?}");
+    // the beam is raised into the bead
+    let raised = rest.failing(|state, _| rest.carried(state, 1, &Quat::identity(), &(Vec3::z() * 2e-4)));
+    assert!(raised.contains(&"gaps".to_owned()), "{raised:?}");
 }

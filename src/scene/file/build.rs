@@ -10,18 +10,19 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
 use crate::rod::{Along, Binding, Natural, Rod, RodMesh, RodNumber, Section, Shape, Stiffness};
-use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, Ramp, Stage, Support};
 use crate::scene::{Obstacle, ObstacleNumber, read_natural, smooth_points};
 
 use super::FollowChoice;
 use super::by_base_pairs::{Dna, electrostatics};
 use super::mesh::Unmeshed;
+use super::places::{find_rod, node, nodes};
 use super::section::{GivenSection, section};
 use super::shapes::{Wound, shape};
 use super::text::{
     ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
 };
-use super::values::{At, NaturalText, RodNames};
+use super::values::{GripText, NaturalText};
 use super::{frames, gravity, memory, obstacles, poses, state};
 
 /// Name of the only rod of a scene, if it has none.
@@ -92,7 +93,7 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<(Model, Vec<Opt
         model.line_loads.extend(weight.map(|weight| LineLoad::of_force(index, weight)));
     }
     model.load = gravity::start_factor(text);
-    model.obstacles = obstacles::obstacles(&text.planes, &text.obstacles)?;
+    model.obstacles = obstacles::obstacles(text, &model.rods)?;
     model.check().map(|()| (model, base_pairs))
 }
 
@@ -104,6 +105,15 @@ fn supports(field: &str, text: &SupportText, rods: &[Rod]) -> Result<Vec<Support
     }
     let nodes = nodes(rods, field, &text.rod, text.at)?;
     Ok(nodes.into_iter().map(|node| Support { node, position, rotation }).collect())
+}
+
+/// A grip is a body that is there from the start.
+fn check_no_grip(field: &str, text: &SupportText) -> Result<(), InputError> {
+    if text.grip == GripText::None {
+        return Ok(());
+    }
+    let reason = "is there from the start, and stays when its support is released: set it in [[supports]]";
+    Err(InputError::inconsistent(format!("{field}.grip"), reason))
 }
 
 pub(super) fn stages(
@@ -123,11 +133,15 @@ pub(super) fn further_stages(
     let stage = |(i, stage): (usize, &StageText)| {
         let mut all = Vec::new();
         for (k, gone) in stage.release.iter().enumerate() {
-            let supports = supports(&format!("stages[{i}].release[{k}]"), gone, &model.rods)?;
+            let field = format!("stages[{i}].release[{k}]");
+            check_no_grip(&field, gone)?;
+            let supports = supports(&field, gone, &model.rods)?;
             all.extend(supports.into_iter().map(Ramp::Release));
         }
         for (k, held) in stage.hold.iter().enumerate() {
-            let supports = supports(&format!("stages[{i}].hold[{k}]"), held, &model.rods)?;
+            let field = format!("stages[{i}].hold[{k}]");
+            check_no_grip(&field, held)?;
+            let supports = supports(&field, held, &model.rods)?;
             all.extend(supports.into_iter().map(Ramp::Hold));
         }
         all.extend(ramps(&format!("stages[{i}].ramp"), &stage.ramp, model, relaxed_links)?);
@@ -580,60 +594,4 @@ fn contact(text: &ContactText, fidelity: Option<Fidelity>, rods: &[Rod]) -> Resu
         }
     };
     Ok(Contact { law })
-}
-
-/// Index of the rod called `name`; the only rod needs no name.
-fn find_rod(rods: &[Rod], field: &str, name: Option<&str>) -> Result<usize, InputError> {
-    let allowed =
-        || format!("one of {}", rods.iter().map(|rod| format!("\"{}\"", rod.name)).collect::<Vec<_>>().join(", "));
-    match name {
-        None if rods.len() == 1 => Ok(0),
-        None => Err(InputError::inconsistent(format!("{field}.rod"), format!("missing: {}", allowed()))),
-        Some(name) => rods.iter().position(|rod| rod.name == name).ok_or_else(|| InputError::Name {
-            field: format!("{field}.rod"),
-            name: name.to_owned(),
-            allowed: allowed(),
-        }),
-    }
-}
-
-/// The node `at` of each named rod; the only rod needs no name.
-fn nodes(rods: &[Rod], field: &str, names: &RodNames, at: At) -> Result<Vec<NodeRef>, InputError> {
-    if names.0.is_empty() {
-        return find_rod(rods, field, None).and_then(|rod| node(rods, field, rod, at)).map(|node| vec![node]);
-    }
-    let mut found = Vec::new();
-    for name in &names.0 {
-        let node = node(rods, field, find_rod(rods, field, Some(name))?, at)?;
-        if found.contains(&node) {
-            let allowed = "named once in a list".to_owned();
-            return Err(InputError::Name { field: format!("{field}.rod"), name: name.clone(), allowed });
-        }
-        found.push(node);
-    }
-    Ok(found)
-}
-
-fn node(rods: &[Rod], field: &str, index: usize, at: At) -> Result<NodeRef, InputError> {
-    let rod = &rods[index];
-    let node = match at {
-        At::Start => 0,
-        At::End if rod.closed => {
-            let reason =
-                format!("rod \"{}\" is closed and has no end: use \"start\", a node index or {{ arc = s }}", rod.name);
-            return Err(InputError::inconsistent(format!("{field}.at"), &reason));
-        }
-        At::End => rod.num_nodes() - 1,
-        At::Node(node) if node >= rod.num_nodes() => {
-            let allowed = "the index of a node of the rod (less than elements × order, or at most that if open)";
-            return Err(InputError::Count { field: format!("{field}.at"), value: node, allowed });
-        }
-        At::Node(node) => node,
-        At::Arc(arc) => {
-            let ok = (0.0..=rod.length).contains(&arc);
-            InputError::check(&format!("{field}.at.arc"), arc, ok, "between 0 and the length of the rod")?;
-            (arc / rod.length * rod.num_segments() as f64).round() as usize % rod.num_nodes()
-        }
-    };
-    Ok(NodeRef { rod: index, node })
 }

@@ -1,13 +1,18 @@
-//! Planes and other obstacles of a scene file, and how stages call them.
+//! Planes, other obstacles and what nodes carry in a scene file, and how stages call them.
 
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::scene::{Hinge, Obstacle, ObstacleNumber, Ramp, Side};
+use crate::rod::Rod;
+use crate::scene::{Hinge, NodeRef, Obstacle, ObstacleNumber, Ramp, Side};
 
-use super::text::{HingeText, ObstacleRampText, ObstacleText, PlaneText, ShapeOfObstacle, SideOfObstacle};
+use super::places::{node, nodes};
+use super::text::{BeadText, HingeText, ObstacleRampText, ObstacleText, SceneText, ShapeOfObstacle, SideOfObstacle};
+use super::values::GripText;
 
-/// All obstacles of a scene, planes first. The only plane needs no name, nor does the only other obstacle.
-pub(super) fn obstacles(planes: &[PlaneText], others: &[ObstacleText]) -> Result<Vec<Obstacle>, InputError> {
+/// All obstacles of a scene: planes, others, beads of the rods, grips of the supports. The only plane needs no name, nor does the
+/// only other obstacle.
+pub(super) fn obstacles(text: &SceneText, rods: &[Rod]) -> Result<Vec<Obstacle>, InputError> {
+    let (planes, others) = (&text.planes, &text.obstacles);
     let mut all: Vec<Obstacle> = Vec::new();
     for (i, plane) in planes.iter().enumerate() {
         let named = Obstacle::plane(plane.name.as_str(), plane.point.into(), plane.normal.into());
@@ -17,7 +22,57 @@ pub(super) fn obstacles(planes: &[PlaneText], others: &[ObstacleText]) -> Result
         let place = format!("obstacles[{i}]");
         add(&mut all, obstacle(&place, text)?, (&place, others.len() == 1))?;
     }
+    for (index, rod) in text.rods.iter().enumerate() {
+        for (i, bead) in rod.beads.iter().enumerate() {
+            let place = format!("rods.{}.beads[{i}]", rods[index].name);
+            let name = if rod.beads.len() == 1 { "bead".to_owned() } else { format!("bead_{}", i + 1) };
+            add(&mut all, carried_ball(&place, bead, rods, (index, &name))?, (&place, false))?;
+        }
+    }
+    for (i, support) in text.supports.iter().enumerate() {
+        let place = format!("supports[{i}]");
+        let length = match support.grip {
+            GripText::None => continue,
+            GripText::Endless => None,
+            GripText::Length(length) => Some(length),
+        };
+        for at in nodes(rods, &place, &support.rod, support.at)? {
+            add(&mut all, grip(&place, rods, at, length)?, (&place, false))?;
+        }
+    }
     Ok(all)
+}
+
+fn carried_ball(
+    place: &str,
+    text: &BeadText,
+    rods: &[Rod],
+    (rod, default): (usize, &str),
+) -> Result<Obstacle, InputError> {
+    InputError::check(&format!("{place}.radius"), text.radius, text.radius > 0.0, "a finite number > 0")?;
+    let at = node(rods, place, rod, text.at)?;
+    let name = if text.name.is_empty() { format!("{}_{default}", rods[rod].name) } else { text.name.clone() };
+    Ok(Obstacle::bead(name, rods, at, text.radius))
+}
+
+fn grip(place: &str, rods: &[Rod], at: NodeRef, length: Option<f64>) -> Result<Obstacle, InputError> {
+    let (field, rod) = (format!("{place}.grip"), &rods[at.rod]);
+    let end = match at.node {
+        _ if rod.closed => None,
+        0 => Some("start"),
+        node => (node + 1 == rod.num_nodes()).then_some("end"),
+    };
+    let Some(end) = end else {
+        return Err(InputError::inconsistent(field, "prolongs an end of an open rod: set at to \"start\" or \"end\""));
+    };
+    if rod.section.contact_radius <= 0.0 {
+        let reason = format!("is as thick as the rod: give rod \"{}\" a contact_radius", rod.name);
+        return Err(InputError::inconsistent(field, reason));
+    }
+    if let Some(length) = length {
+        InputError::check(&field, length, length > 0.0, "a finite length > 0, \"endless\" or \"none\"")?;
+    }
+    Ok(Obstacle::grip(format!("{}_{end}_grip", rod.name), rods, at, length))
 }
 
 fn add(all: &mut Vec<Obstacle>, mut new: Obstacle, (place, is_only): (&str, bool)) -> Result<(), InputError> {

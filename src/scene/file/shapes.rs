@@ -5,7 +5,8 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::math::link::knot::{closed_braid::closed_braid, pd_code, table};
+use crate::math::link::knot::closed_braid::{closed_braid, overhand};
+use crate::math::link::knot::{pd_code, table};
 use crate::rod::within;
 use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
 use crate::scene::{Import, read_points_with, smooth_points};
@@ -57,6 +58,17 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
             return Err(InputError::inconsistent("shape", "a state is nodes with frames, no curve"));
         }
         ShapeText::Knot { .. } => Shape::Points(knot(text, wound)?),
+        ShapeText::Overhand { length, radius, half_turns, start } => {
+            if wound.closed {
+                return Err(InputError::inconsistent("shape", "an overhand knot is tied in an open rod"));
+            }
+            InputError::positive("shape.radius", radius)?;
+            let length = wound.length(length)?;
+            InputError::positive("shape.length", length)?;
+            let start: Vec3 = start.into();
+            let tied = overhand(length / radius, half_turns)?;
+            Shape::Points(tied.into_iter().map(|point| start + point * radius).collect())
+        }
         ShapeText::Plectoneme { .. } => plectoneme(text, base_dir, wound)?,
         ShapeText::TorusKnot { length, windings: List(windings), aspect, phase, center, normal } => {
             let (length, phase) = (wound.length(length)?, TAU * phase);

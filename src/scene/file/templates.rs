@@ -21,12 +21,13 @@ macro_rules! template {
 }
 
 /// All scenes to begin with.
-pub const TEMPLATES: [Template; 10] = [
+pub const TEMPLATES: [Template; 11] = [
     template!("minicircle", "a DNA minicircle supercoils"),
     template!("plasmid", "a plasmid, from the flat circle to a plectoneme"),
     template!("loop", "DNA between two sites that a protein holds: both ends' poses"),
     template!("tweezers", "DNA pulled and turned until it winds up", "examples"),
     template!("knot", "a closed trefoil knot comes to rest"),
+    template!("overhand", "an overhand knot between grips, pulled tight"),
     template!("hanging", "a rope between two hooks under its weight, one hook moved in"),
     template!("cable", "three wires twisted into a cable"),
     template!("pulley", "a rope over a pulley: 5 N hold 5 N"),

@@ -14,10 +14,10 @@ use serde::Deserialize;
 use crate::dna::salt::Charge;
 use crate::scene::{Fidelity, Units};
 
-use super::values::{At, FixedAxes, List, RodNames, some_table, table, tables};
+use super::values::{At, FixedAxes, GripText, List, RodNames, some_table, table, tables};
 use super::{OutputChoice, PictureChoice, SolverChoice};
 
-pub(super) use rods::{DnaText, RodText, SectionText, SequenceText};
+pub(super) use rods::{BeadText, DnaText, RodText, SectionText, SequenceText};
 pub(super) use shapes::ShapeText;
 pub(super) use stages::{ObstacleRampText, PathText, PoseText, RampText, StageText, StagesText};
 
@@ -107,6 +107,11 @@ pub(super) struct SupportText {
     /// Axes about which its rotation is held; one alone is a joint of constant velocity.
     #[serde(default)]
     pub rotation: FixedAxes,
+    /// Rigid capsule as thick as the rod that prolongs its end outwards along d3 and moves with the node. It takes part in
+    /// contact, so that no loop and no knot slips over the end.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "L", "x-allowed" = "an end of an open rod that takes part in contact; not in stages"))]
+    pub grip: GripText,
 }
 
 #[derive(Deserialize, JsonSchema)]

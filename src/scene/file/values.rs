@@ -172,6 +172,51 @@ impl<'de> Visitor<'de> for AtVisitor {
     }
 }
 
+/// What prolongs an end: `"none"`, `"endless"`, or a length.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) enum GripText {
+    #[default]
+    None,
+    Endless,
+    Length(f64),
+}
+
+struct GripVisitor;
+
+impl Visitor<'_> for GripVisitor {
+    type Value = GripText;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("\"none\", \"endless\" or a length")
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<GripText, E> {
+        match value {
+            "none" => Ok(GripText::None),
+            "endless" => Ok(GripText::Endless),
+            _ => Err(E::invalid_value(Unexpected::Str(value), &self)),
+        }
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<GripText, E> {
+        Ok(GripText::Length(value))
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<GripText, E> {
+        Ok(GripText::Length(value as f64))
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<GripText, E> {
+        Ok(GripText::Length(value as f64))
+    }
+}
+
+impl<'de> Deserialize<'de> for GripText {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(GripVisitor)
+    }
+}
+
 struct AxesVisitor;
 
 impl<'de> Visitor<'de> for AxesVisitor {

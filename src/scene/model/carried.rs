@@ -38,7 +38,8 @@ impl Model {
         };
         let touches = |rod: &usize| self.is_touchable(&self.rods[*rod]);
         let others = (0..self.rods.len()).any(|other| !body.contains(&other) && touches(&other));
-        let posts = self.obstacles.iter().any(|obstacle| obstacle.pushes().is_none());
+        let is_other = |obstacle: &Obstacle| obstacle.carrier.is_none_or(|node| !body.contains(&node.rod));
+        let posts = self.obstacles.iter().any(|obstacle| is_other(obstacle) && obstacle.pushes().is_none());
         // rods and posts that are there may catch it: the search finds out
         let may_be_caught = (others || posts) && body.iter().any(touches);
         if let Some(way) = self.way_down(&body, factor).filter(|_| !may_be_caught) {

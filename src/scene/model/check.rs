@@ -192,6 +192,10 @@ impl Model {
             return Err(InputError::Count { field: field("obstacle"), value: obstacle, allowed });
         };
         let [of_plane, of_others] = ["plane", "obstacle"].map(field);
+        if moved.carrier.is_some() && which != ObstacleNumber::Level {
+            let reason = format!("a node carries \"{}\", and moves it: only its radius is ramped", moved.name);
+            return Err(InputError::inconsistent(of_others, reason));
+        }
         match which {
             ObstacleNumber::Level if moved.is_plane() => self.check_level(&format!("{of_plane}.to"), moved, to),
             ObstacleNumber::Level => self.check_level(&format!("{of_others}.radius"), moved, to),

@@ -1,6 +1,6 @@
-//! Rigid bodies that rods touch without friction, and where stages have moved them.
+//! Rigid bodies that rods touch without friction, and where stages, or the nodes that carry them, have moved them.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::error::InputError;
 use crate::math::bernstein::cubic_weights;
@@ -11,7 +11,7 @@ use crate::rod::Rod;
 
 pub use crate::math::signed_distance::Skeleton;
 
-use super::{Model, unit};
+use super::{Model, NodeRef, unit};
 
 /// Deviation of a normal's or an axis's length from 1 that counts as rounding.
 const TOL_UNIT: f64 = 1e-9;
@@ -48,6 +48,11 @@ pub struct Hinge {
 /// about a line. Rods that take part in contact keep their contact radius from it, under the law of contact between rods.
 /// [`Ramp::Obstacle`](super::Ramp::Obstacle) moves it and changes its radius. It may be parted from: by itself it holds a rod only
 /// against dead forces that press the rod onto it.
+///
+/// A node may carry it ([`Obstacle::bead`], [`Obstacle::grip`]): it moves and turns with the node, and what rods exert on it acts
+/// on the node. The rod of that node, and rods joined there, do not touch it next to the node: as far as a curve that turns by
+/// less than half a turn may need to leave it, π/2 (radius + contact radius) along the rod. Carried bodies do not touch each other,
+/// nor other obstacles.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Obstacle {
@@ -61,6 +66,9 @@ pub struct Obstacle {
     pub side: Side,
     /// What it may be turned about.
     pub hinge: Option<Hinge>,
+    /// The node that carries it, at the skeleton's point.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub carrier: Option<NodeRef>,
 }
 
 /// Where an obstacle is.
@@ -73,6 +81,9 @@ pub struct ObstaclePose {
     pub displacement: Vec3,
     /// Turns about the hinge since the start.
     pub turns: f64,
+    /// Rotation vector since the start of what a node carries, about the node, rad.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub rotation: Vec3,
 }
 
 /// A number of a [`ObstaclePose`].
@@ -146,8 +157,30 @@ impl Obstacle {
         Self::new(name, Skeleton::Line { point, axis }, (radius, side))
     }
 
+    /// A ball about a node that carries it.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    pub fn bead(name: impl Into<String>, rods: &[Rod], node: NodeRef, radius: f64) -> Self {
+        let made = Self::sphere(name, rods[node.rod].positions[node.node], (radius, Side::Outside));
+        Self { carrier: Some(node), ..made }
+    }
+
+    /// A rod's end prolonged by a rigid capsule as thick as its contact radius there, outwards along d3; endless without a length.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    pub fn grip(name: impl Into<String>, rods: &[Rod], node: NodeRef, length: Option<f64>) -> Self {
+        let rod = &rods[node.rod];
+        let tangent = rod.frames[node.node] * Vec3::z();
+        let (axis, last) = if node.node == 0 { (-tangent, 0) } else { (tangent, rod.num_segments().saturating_sub(1)) };
+        let skeleton = Skeleton::Piece { point: rod.positions[node.node], axis, length };
+        let made = Self::new(name, skeleton, (rod.contact_radius_of(last), Side::Outside));
+        Self { carrier: Some(node), ..made }
+    }
+
     fn new(name: impl Into<String>, skeleton: Skeleton, (radius, side): (f64, Side)) -> Self {
-        Self { name: name.into(), skeleton, radius, side, hinge: None }
+        Self { name: name.into(), skeleton, radius, side, hinge: None, carrier: None }
     }
 
     /// Whether it is a plane.
@@ -161,7 +194,14 @@ impl Obstacle {
             Skeleton::Plane { .. } => "plane",
             Skeleton::Point { .. } => "sphere",
             Skeleton::Line { .. } => "cylinder",
+            Skeleton::Piece { .. } => "capsule",
         }
+    }
+
+    /// Arc length from a carrying node within which a rod of this contact radius does not touch a body of this radius \[L\]: a
+    /// curve that turns by less than π over a length ends 2/π of it or farther from where it began (Schur).
+    pub(crate) fn surroundings(radius: f64, contact_radius: f64) -> f64 {
+        FRAC_PI_2 * (radius + contact_radius)
     }
 
     /// Where it is at the start.
@@ -175,6 +215,9 @@ impl Obstacle {
             Some(hinge) => (hinge.through, exp(&(unit(&hinge.axis) * (placement.turns * TAU)))),
             None => (Vec3::zeros(), Quat::identity()),
         };
+        let carried = self.carrier.filter(|_| placement.rotation != Vec3::zeros());
+        let (through, rotation) =
+            carried.map_or((through, rotation), |_| (self.skeleton.point(), exp(&placement.rotation)));
         let displacement = placement.displacement;
         (rotation, move |x: &Vec3| {
             let turned = if rotation == Quat::identity() { *x } else { through + rotation * (x - through) };
@@ -182,16 +225,30 @@ impl Obstacle {
         })
     }
 
+    /// Its skeleton at the start, its axis of length 1.
+    fn normalised(&self) -> Skeleton {
+        match self.skeleton {
+            Skeleton::Line { point, axis } => Skeleton::Line { point, axis: unit(&axis) },
+            other => other,
+        }
+    }
+
     /// Its surface where it is placed.
     pub(crate) fn placed(&self, placement: &ObstaclePose) -> Surface {
         let (rotation, moved) = self.motion(placement);
-        let skeleton = match &self.skeleton {
-            Skeleton::Plane { point, normal } => Skeleton::Plane { point: moved(point), normal: rotation * normal },
-            Skeleton::Point { point } => Skeleton::Point { point: moved(point) },
-            Skeleton::Line { point, axis } => Skeleton::Line { point: moved(point), axis: rotation * unit(axis) },
-        };
+        self.surface(placement.level, (moved(&self.skeleton.point()), Vec3::zeros()), &rotation)
+    }
+
+    /// Its surface with the skeleton's point at the sum of two vectors, the second what the first is rounded by.
+    pub(crate) fn surface(&self, level: f64, (point, lost): (Vec3, Vec3), rotation: &Quat) -> Surface {
         let sign = if self.side == Side::Outside { 1.0 } else { -1.0 };
-        Surface { skeleton, level: placement.level, sign }
+        let skeleton = self.normalised().moved(point, rotation);
+        Surface { skeleton, level, lost, sign, carried: self.carrier.is_some() }
+    }
+
+    /// Where it is with a carrying node that has come to a place and turned by a rotation vector since the start.
+    pub(crate) fn carried(&self, placement: &ObstaclePose, place: &Vec3, rotation: Vec3) -> ObstaclePose {
+        ObstaclePose { displacement: place - self.skeleton.point(), rotation, ..*placement }
     }
 
     /// Whether it passes one of some points \[L\], or comes to have it beyond its middle, on its way from one placement to
@@ -202,7 +259,7 @@ impl Obstacle {
         if surface.is_hollow() {
             return false;
         }
-        let turned = ObstaclePose { turns: to.turns - from.turns, displacement: Vec3::zeros(), level: 0.0 };
+        let turned = ObstaclePose { turns: to.turns - from.turns, ..ObstaclePose::default() };
         let (_, turn) = self.motion(&turned);
         let way = |x: &Vec3| (turn(&(x - from.displacement)) + to.displacement - x).norm();
         let is_near = |x: &Vec3, way: f64| surface.distance(&(x - surface.point())) <= way + spacing;
@@ -215,7 +272,7 @@ impl Obstacle {
         let point = self.skeleton.point();
         let grown = if self.is_plane() { 1.0 } else { placement.level / self.radius };
         let stretch = match self.skeleton {
-            Skeleton::Line { axis, .. } => {
+            Skeleton::Line { axis, .. } | Skeleton::Piece { axis, .. } => {
                 let along = unit(&axis) * unit(&axis).transpose();
                 along + (Mat3::identity() - along) * grown
             }
@@ -248,7 +305,7 @@ impl Obstacle {
             (Skeleton::Plane { normal, .. }, _) => Some(vec![normal]),
             (Skeleton::Point { .. }, Side::Inside) => Some(both(&Vec3::zeros())),
             (Skeleton::Line { axis, .. }, Side::Inside) => Some(both(&unit(&axis))),
-            (_, Side::Outside) => None,
+            (Skeleton::Piece { .. }, Side::Inside) | (_, Side::Outside) => None,
         }
     }
 }
@@ -267,9 +324,44 @@ impl Model {
                 return Err(InputError::inconsistent(place, reason));
             }
             self.check_level(&format!("{place}.radius"), obstacle, obstacle.radius)?;
-            self.touches().try_for_each(|rod| check_clear(&place, obstacle, rod))?;
+            self.check_carrier(&place, obstacle)?;
+            (0..self.rods.len()).try_for_each(|rod| self.check_clear(&place, obstacle, rod))?;
         }
         Ok(())
+    }
+
+    /// Refuses a node that cannot carry an obstacle.
+    fn check_carrier(&self, place: &str, obstacle: &Obstacle) -> Result<(), InputError> {
+        let field = format!("{place}.carrier");
+        let refuse = |reason: &str| Err(InputError::inconsistent(&field, reason));
+        let Some(NodeRef { rod, node }) = obstacle.carrier else {
+            let is_piece = matches!(obstacle.skeleton, Skeleton::Piece { .. });
+            return if is_piece { refuse("missing: a capsule is carried by a node") } else { Ok(()) };
+        };
+        let Some(at) = self.rods.get(rod).and_then(|rod| rod.positions.get(node)) else {
+            let allowed = "a node of the model";
+            return Err(InputError::Count { field, value: node, allowed });
+        };
+        if matches!(obstacle.skeleton, Skeleton::Plane { .. } | Skeleton::Line { .. }) || obstacle.side == Side::Inside
+        {
+            return refuse("only spheres and capsules that rods stay outside of are carried by a node");
+        }
+        if *at != obstacle.skeleton.point() {
+            return refuse("must be at the sphere's centre, or where the capsule begins");
+        }
+        if obstacle.hinge.is_some() {
+            return refuse("moves and turns it: leave out the hinge");
+        }
+        Ok(())
+    }
+
+    /// Arc lengths of a rod \[L\] between which it does not touch an obstacle, because it carries it; on a closed rod perhaps
+    /// beyond its seam.
+    pub(crate) fn left_out(&self, obstacle: &Obstacle, level: f64, rod: usize) -> Vec<[f64; 2]> {
+        let reach = Obstacle::surroundings(level, self.rods[rod].thickest());
+        let of_node = |at: NodeRef| [-reach, reach].map(|by| self.rods[rod].spacing() * at.node as f64 + by);
+        let nodes = obstacle.carrier.map_or(Vec::new(), |node| self.joined_nodes(node));
+        nodes.into_iter().filter(|at| at.rod == rod).map(of_node).collect()
     }
 
     fn check_obstacle(&self, place: &str, obstacle: &Obstacle) -> Result<(), InputError> {
@@ -297,6 +389,13 @@ impl Model {
                 let allowed = "along z, or through a point in the plane of the rods and along it, of a planar scene";
                 let lies = axis.z == 0.0 && point.z == height;
                 vector("axis", axis, !self.planar || crosses || lies, allowed)?;
+            }
+            Skeleton::Piece { axis, length, .. } => {
+                vector("axis", axis, (axis.norm() - 1.0).abs() <= TOL_UNIT, "a unit vector")?;
+                let allowed = "in the x-y plane of the rods, of a planar scene";
+                vector("axis", axis, !self.planar || axis.z.abs() <= TOL_UNIT, allowed)?;
+                let length = length.unwrap_or(1.0);
+                InputError::check(&format!("{place}.length"), length, length > 0.0, "a finite number > 0")?;
             }
         }
         if let Some(Hinge { through, axis }) = &obstacle.hinge {
@@ -336,35 +435,50 @@ impl Model {
     }
 }
 
-/// Refuses a rod whose surface is beyond that of an obstacle.
-fn check_clear(field: &str, obstacle: &Obstacle, rod: &Rod) -> Result<(), InputError> {
-    let (spacing, radius) = (rod.spacing(), rod.section.contact_radius);
-    let surface = obstacle.placed(&obstacle.start());
-    let mut deepest = (DEEP * radius, None);
-    for k in 0..rod.num_segments() {
-        let [a, b] = [k, (k + 1) % rod.num_nodes()];
-        let handle = |n: usize| rod.frames[n] * Vec3::z() * (spacing / 3.0);
-        let (start, end) = (rod.positions[a], rod.positions[b]);
-        // the contact centreline
-        let points = [start, start + handle(a), end - handle(b), end];
-        for i in 0..=POINTS {
-            let u = i as f64 / POINTS as f64;
-            let point: Vec3 = cubic_weights(u).iter().zip(&points).map(|(w, point)| point * *w).sum();
-            let depth = radius - surface.distance(&(point - surface.point()));
-            if depth > deepest.0 {
-                deepest = (depth, Some((spacing * (k as f64 + u), point)));
+impl Model {
+    /// Refuses a rod whose surface is beyond that of an obstacle.
+    fn check_clear(&self, field: &str, obstacle: &Obstacle, index: usize) -> Result<(), InputError> {
+        let rod = &self.rods[index];
+        if !self.is_touchable(rod) {
+            return Ok(());
+        }
+        let (spacing, radius) = (rod.spacing(), rod.section.contact_radius);
+        let surface = obstacle.placed(&obstacle.start());
+        let left_out = self.left_out(obstacle, obstacle.radius, index);
+        let mut deepest = (DEEP * radius, None);
+        let round = if rod.closed { rod.length } else { 0.0 };
+        let touches = |k: &usize| !overlaps(&left_out, [*k, *k + 1].map(|k| spacing * k as f64), round);
+        for k in (0..rod.num_segments()).filter(touches) {
+            let [a, b] = [k, (k + 1) % rod.num_nodes()];
+            let handle = |n: usize| rod.frames[n] * Vec3::z() * (spacing / 3.0);
+            let (start, end) = (rod.positions[a], rod.positions[b]);
+            // the contact centreline
+            let points = [start, start + handle(a), end - handle(b), end];
+            for i in 0..=POINTS {
+                let u = i as f64 / POINTS as f64;
+                let point: Vec3 = cubic_weights(u).iter().zip(&points).map(|(w, point)| point * *w).sum();
+                let depth = radius - surface.distance(&(point - surface.point()));
+                if depth > deepest.0 {
+                    deepest = (depth, Some((spacing * (k as f64 + u), point)));
+                }
             }
         }
-    }
-    let (depth, Some((arc, at))) = deepest else { return Ok(()) };
-    let reason = format!(
-        "rod \"{}\" starts beyond it: its surface is {depth} deep at arc {arc}, where its centreline is at ({}, {}, {}); move \
+        let (depth, Some((arc, at))) = deepest else { return Ok(()) };
+        let reason = format!(
+            "rod \"{}\" starts beyond it: its surface is {depth} deep at arc {arc}, where its centreline is at ({}, {}, {}); move \
          the rod, or the {}, by that along the normal",
-        rod.name,
-        at.x,
-        at.y,
-        at.z,
-        obstacle.kind()
-    );
-    Err(InputError::inconsistent(field, reason))
+            rod.name,
+            at.x,
+            at.y,
+            at.z,
+            obstacle.kind()
+        );
+        Err(InputError::inconsistent(field, reason))
+    }
+}
+
+/// Whether an arc overlaps one of others, on a closed rod of length `round` also over its seam.
+pub(crate) fn overlaps(others: &[[f64; 2]], [from, to]: [f64; 2], round: f64) -> bool {
+    let shifts = [-round, 0.0, round];
+    others.iter().any(|other| shifts.iter().any(|shift| other[0] < to + shift && from + shift < other[1]))
 }

@@ -4,7 +4,7 @@ use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::Rod;
-use crate::scene::{Joint, Model, NodeLoad, NodeRef, Support};
+use crate::scene::{Joint, Model, NodeLoad, NodeRef, Obstacle, Support};
 use crate::solve::load_step::guess::Ahead;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
@@ -25,10 +25,11 @@ impl Model {
     }
 
     /// The same problem on every `factor`-th node, where there is one: elements can be counted off, and all nodes that
-    /// are held, joined or loaded are among these.
+    /// are held, joined or loaded, or carry obstacles, are among these.
     pub(crate) fn coarsened(&self, factor: usize) -> Option<Self> {
         let rods = self.rods.iter().map(|rod| rod.coarsened(factor)).collect::<Option<_>>()?;
         let at = self.supports.iter().map(|s| s.node).chain(self.joints.iter().flat_map(|j| [j.a, j.b]));
+        let at = at.chain(self.obstacles.iter().filter_map(|obstacle| obstacle.carrier));
         let all_there = at.chain(self.loads.iter().map(|load| load.node)).all(|at| at.node % factor == 0);
         all_there.then(|| self.with_rods(rods, |node| NodeRef { node: node.node / factor, ..node }))
     }
@@ -42,7 +43,7 @@ impl Model {
             loads: self.loads.iter().map(|load| NodeLoad { node: node(load.node), ..*load }).collect(),
             line_loads: self.line_loads.clone(),
             load: self.load,
-            obstacles: self.obstacles.clone(),
+            obstacles: self.obstacles.iter().map(|o| Obstacle { carrier: o.carrier.map(&node), ..o.clone() }).collect(),
             contact: self.contact,
             electrostatics: self.electrostatics,
             planar: self.planar,

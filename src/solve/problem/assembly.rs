@@ -178,9 +178,14 @@ impl Engine {
                 [(p[0], q[0]), (p[0], q[1]), (p[1], q[0]), (p[1], q[1])]
             })
         });
+        let bodies = self.contact.iter().flat_map(|side| side.coupled_by_bodies());
         let pairs =
             |nodes: &'_ Vec<usize>| nodes.iter().flat_map(|&a| nodes.iter().map(move |&c| (a, c))).collect::<Vec<_>>();
-        NodeGraph::new(&self.equations, &self.master, elements.chain(contacts).chain(coupled.iter().flat_map(pairs)))
+        NodeGraph::new(
+            &self.equations,
+            &self.master,
+            elements.chain(contacts).chain(bodies).chain(coupled.iter().flat_map(pairs)),
+        )
     }
 
     fn join(&self, out: &mut Residual) {

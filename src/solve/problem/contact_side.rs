@@ -12,6 +12,7 @@ use crate::math::Vec3;
 use crate::math::signed_distance::Surface;
 use crate::scene::{Electrostatics, Model, Obstacle};
 use crate::solve::measures::NOTHING;
+use crate::solve::problem::carrier::Carrier;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::joint_surroundings::joint_surroundings;
@@ -36,6 +37,12 @@ pub(crate) struct ContactSide {
     pub(crate) obstacles: Vec<Obstacle>,
     /// Their surfaces, where the state has them.
     pub(crate) surfaces: Vec<Surface>,
+    /// The nodes that carry them.
+    pub(crate) carriers: Vec<Option<Carrier>>,
+    /// Segments near those that nodes carry, with these, ascending.
+    pub(crate) near_bodies: Vec<[u32; 2]>,
+    /// Counts changes of these.
+    near_generation: u64,
     /// Screened repulsion of the strands, if it is asked for.
     pub(crate) repulsion: Option<Repulsion>,
     /// Generations of the sides that this one has replaced.
@@ -75,30 +82,43 @@ impl ContactSide {
         let min_radius = (0..set.len()).map(|segment| set.radius_of(segment)).fold(f64::INFINITY, f64::min);
         let mut exclusion = Exclusion::new();
         exclusion.leave_out(joint_surroundings(model, &touching));
-        let placed = model.obstacles.iter().zip(&state.placements);
-        let surfaces: Vec<Surface> = placed.map(|(obstacle, placement)| obstacle.placed(placement)).collect();
+        let carriers = Carrier::all(model, first_node, &touching);
         let screened = |Electrostatics { strength, debye_length }| Screened { strength, debye_length };
         let repulsion = model.electrostatics.map(|charges| {
             let least = set.curves.iter().map(|curve| curve.radius).fold(f64::INFINITY, f64::min);
             Repulsion::new(screened(charges), &set, charges.piece(least))
         });
-        Ok(Some(Self {
+        let num_surfaces = model.obstacles.len();
+        let mut side = Self {
             set,
             nodes,
             rods: touching,
             tangents,
             exclusion,
             broad_phase: BroadPhase::new(),
-            offsets: ContactField::uniform(state.positions.len(), surfaces.len(), 0.0),
+            offsets: ContactField::uniform(state.positions.len(), num_surfaces, 0.0),
             obstacles: model.obstacles.clone(),
-            surfaces,
+            surfaces: Vec::new(),
+            carriers,
+            near_bodies: Vec::new(),
+            near_generation: 0,
             repulsion,
             generations_before: 0,
             law: Law::Linear { stiffness: stiffness(dimensionless, bending, min_radius) },
             before: None,
             min_radius,
             is_current: false,
-        }))
+        };
+        side.place_surfaces(state);
+        Ok(Some(side))
+    }
+
+    /// Moves the surfaces of obstacles to where they are in a state.
+    pub(crate) fn place_surfaces(&mut self, state: &State) {
+        let placed: Vec<Surface> = (0..self.obstacles.len()).map(|index| self.surface_in(state, index)).collect();
+        let has_moved = |(now, before): (&Surface, &Surface)| now.carried && now != before;
+        self.is_current &= !placed.iter().zip(&self.surfaces).any(has_moved);
+        self.surfaces = placed;
     }
 
     /// Takes the place of another one that rods with other numbers had: its generations are not counted again.
@@ -123,7 +143,9 @@ impl ContactSide {
             let reach = self.set.radius_of(segment) + range + margin;
             surface.least_in_hull(&surface::relative(surface, &self.set, segment)) <= reach
         };
-        self.surfaces.iter().any(|surface| (0..self.set.len()).any(|segment| is_near(surface, segment)))
+        let fixed = || self.surfaces.iter().filter(|surface| !surface.carried);
+        !self.near_bodies.is_empty()
+            || fixed().any(|surface| (0..self.set.len()).any(|segment| is_near(surface, segment)))
     }
 
     /// Gap up to which pairs are candidates, and how much farther they are looked for \[L\].
@@ -154,6 +176,7 @@ impl ContactSide {
     pub(crate) fn generation(&self) -> u64 {
         self.generations_before
             + self.broad_phase.generation()
+            + self.near_generation
             + self.repulsion.as_ref().map_or(0, Repulsion::generation)
     }
 
@@ -161,6 +184,19 @@ impl ContactSide {
     pub(crate) fn coupled(&self) -> impl Iterator<Item = &[u32; 2]> {
         let repelled = self.repulsion.iter().flat_map(|repulsion| repulsion.pairs());
         self.broad_phase.pairs().iter().chain(repelled)
+    }
+
+    /// Nodes that the tangent couples because a body that one of them carries is near a segment of the others.
+    pub(crate) fn coupled_by_bodies(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.near_bodies.iter().flat_map(|&[segment, surface]| {
+            let ([a, b, carrier], _) = self.nodes_at_surface(segment as usize, surface as usize);
+            [(a, carrier), (b, carrier)]
+        })
+    }
+
+    /// Renews the candidates of carried bodies.
+    pub(crate) fn update_bodies(&mut self, range: (f64, f64)) {
+        self.near_generation += u64::from(self.renew_near_bodies(range));
     }
 
     /// Offsets at both ends of a segment towards another one \[L\].

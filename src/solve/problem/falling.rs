@@ -4,15 +4,16 @@
 
 use std::collections::BTreeSet;
 
-use crate::contact::potential::ContactPair;
 use crate::math::Vec3;
+use crate::math::signed_distance::{Skeleton, Surface};
+use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
 impl Engine {
     /// A rod that neither supports nor planes hold against its dead forces, that touches no rod it is not joined to, and that
     /// has all of these behind it.
-    pub(in crate::solve) fn falling_for_ever(&self, state: &State, contact_pairs: &[ContactPair]) -> Option<usize> {
+    pub(in crate::solve) fn falling_for_ever(&self, state: &State, residual: &Residual) -> Option<usize> {
         let rods = 0..self.model.rods.len();
         if state.load_factor == 0.0 || rods.len() == 1 {
             return None;
@@ -20,20 +21,20 @@ impl Engine {
         rods.into_iter().filter(|rod| self.bears_loads(*rod)).find(|&rod| {
             let body = self.model.joined_rods(rod);
             let Some(way) = self.model.way_down(&body, state.load_factor) else { return false };
-            let touches =
-                || self.touched(contact_pairs).any(|pair| pair.iter().filter(|r| body.contains(r)).count() == 1);
+            let touches = || self.touched(residual).any(|pair| pair.iter().filter(|r| body.contains(r)).count() == 1);
             !touches() && self.is_ahead_of_all(state, &body, &way)
         })
     }
 
     /// Rods that touch, pair by pair.
-    fn touched(&self, contact_pairs: &[ContactPair]) -> impl Iterator<Item = [usize; 2]> {
+    fn touched(&self, residual: &Residual) -> impl Iterator<Item = [usize; 2]> {
         let side = self.contact.as_ref();
-        let pairs = contact_pairs.iter().filter_map(|pair| {
+        let pairs = residual.contact_pairs.iter().filter_map(|pair| {
             let [a, _, b, _] = side?.nodes_of(pair).map(|node| self.rod_of(node));
             Some([a, b])
         });
-        pairs.collect::<BTreeSet<_>>().into_iter()
+        let at_bodies = residual.surface_contacts.iter().filter_map(|contact| self.rods_at_body(contact));
+        pairs.chain(at_bodies).collect::<BTreeSet<_>>().into_iter()
     }
 
     /// Whether a body is, with its surface, ahead of all other rods along a way.
@@ -51,6 +52,20 @@ impl Engine {
                 }
             }
         }
+        let of_others = |index: &usize| self.model.obstacles[*index].carrier.is_some_and(|at| !body.contains(&at.rod));
+        if let Some(side) = &self.contact {
+            let bodies = (0..side.obstacles.len()).filter(of_others).map(|index| side.surface_in(state, index));
+            foremost = bodies.map(|surface| reach_along(&surface, way)).fold(foremost, f64::max);
+        }
         hindmost > foremost
     }
+}
+
+/// How far a sphere or a capsule reaches along a way, from the origin \[L\].
+fn reach_along(surface: &Surface, way: &Vec3) -> f64 {
+    let beyond = match surface.skeleton {
+        Skeleton::Piece { axis, length, .. } if axis.dot(way) > 0.0 => axis.dot(way) * length.unwrap_or(f64::INFINITY),
+        _ => 0.0,
+    };
+    surface.point().dot(way) + beyond + surface.level
 }

@@ -9,6 +9,7 @@
 //! | `assembly` | elements, loads and contact summed into gradient and tangent |
 //! | `contact_side`, `contact_field` | contact curves of the rods, the law in force; numbers per contact and node |
 //! | `contact_tangents`, `measured_tangents` | tangents of the contact curves at the nodes, and how they are measured on a state |
+//! | `carrier`, `carried_bodies` | nodes that carry rigid bodies; where these are, and what may touch them |
 //! | `joint_surroundings` | where joined rods touch for good, and contact is left out |
 //! | `contact_gaps` | the smallest gap of each contact near each node |
 //! | `reduction` | from numbers of nodes to those of equations, and back |
@@ -24,6 +25,8 @@
 
 pub(crate) mod assembly;
 pub(crate) mod bend;
+pub(crate) mod carried_bodies;
+pub(in crate::solve) mod carrier;
 pub(in crate::solve) mod changes;
 pub(in crate::solve) mod contact_field;
 pub(in crate::solve) mod contact_gaps;

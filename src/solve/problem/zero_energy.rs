@@ -146,7 +146,7 @@ fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize], surfaces: &[Su
 /// a rotation vector, times a length, count alike.
 ///
 /// A plane is moved along itself if v·n = 0 and ω ∥ n, a sphere if its centre stays, a cylinder if its axis stays on its
-/// line: each is some combinations of v and ω that must vanish, and the motions left are a null space.
+/// line, a capsule if it does and its ends stay: each is some combinations of v and ω that must vanish, and the motions left are a null space.
 fn left_by_surfaces(surfaces: &[Surface], (centre, length): (&Vec3, f64), planar: bool) -> Vec<[Vec3; 2]> {
     let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
     let mut normal = nalgebra::Matrix6::<f64>::zeros();
@@ -160,10 +160,12 @@ fn left_by_surfaces(surfaces: &[Surface], (centre, length): (&Vec3, f64), planar
         let mut stays = |u: Vec3| vanishes(u, arm.cross(&u));
         match surface.skeleton {
             Skeleton::Plane { normal, .. } => vanishes(normal, Vec3::zeros()),
-            Skeleton::Point { .. } => axes.iter().for_each(|axis| stays(*axis)),
+            Skeleton::Point { .. } | Skeleton::Piece { .. } => axes.iter().for_each(|axis| stays(*axis)),
             Skeleton::Line { axis, .. } => axes.iter().for_each(|e| stays(e - axis * axis.dot(e))),
         }
-        if let Skeleton::Plane { normal: axis, .. } | Skeleton::Line { axis, .. } = surface.skeleton {
+        if let Skeleton::Plane { normal: axis, .. } | Skeleton::Line { axis, .. } | Skeleton::Piece { axis, .. } =
+            surface.skeleton
+        {
             axes.iter().for_each(|e| vanishes(Vec3::zeros(), e - axis * axis.dot(e)));
         }
     }
@@ -180,14 +182,15 @@ fn left_by_surfaces(surfaces: &[Surface], (centre, length): (&Vec3, f64), planar
     (0..6).filter(is_free).map(of_null_space).collect()
 }
 
-/// Surfaces of the obstacles that some rods touch.
+/// Surfaces of the obstacles that some rods touch, those that nodes carry left out: they move with their rods.
 fn touched_by(engine: &Engine, contacts: &[SurfaceContact], rods: &[usize]) -> Vec<Surface> {
     let Some(side) = engine.contact.as_ref().filter(|_| !contacts.is_empty()) else { return Vec::new() };
     let is_touched = |surface: &usize| {
         let of_rods = |contact: &&SurfaceContact| rods.contains(&engine.rod_of(side.nodes[contact.segment][0]));
         contacts.iter().filter(|contact| contact.surface == *surface).any(|contact| of_rods(&contact))
     };
-    (0..side.surfaces.len()).filter(is_touched).map(|surface| side.surfaces[surface]).collect()
+    let fixed = (0..side.surfaces.len()).filter(|surface| !side.surfaces[*surface].carried);
+    fixed.filter(is_touched).map(|surface| side.surfaces[surface]).collect()
 }
 
 /// Spin of a rod about its centreline, as a motion of nodes that its own are among.

@@ -8,6 +8,7 @@ use crate::contact::potential::{self, ContactPair, Pressures, Request};
 use crate::math::{Vec3, parallel};
 use crate::solve::measures::AT_ONCE;
 use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::carried_bodies::BodyMotion;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -50,16 +51,20 @@ impl Engine {
     ) {
         let Some(side) = &self.contact else { return };
         for contact in &residual.surface_contacts {
-            let (nodes, surface) = (side.nodes[contact.segment], &side.surfaces[contact.surface]);
             let cubic = side.cubic(state, contact.segment);
             let linear = side.motion(state, increment, contact.segment).linear;
-            let [then, now] = [cubic.b, side.set.segments[contact.segment].b].map(|b| b.map(|b| b - surface.point()));
+            let surfaces = [side.surface_in(state, contact.surface), side.surfaces[contact.surface]];
+            let body = BodyMotion::of(side, contact.surface, increment);
+            let cubics = [cubic.b, side.set.segments[contact.segment].b];
+            let [then, now] = [0, 1].map(|k| cubics[k].map(|b| b - surfaces[k].point()));
             let change = |u: f64, normal: &Vec3| {
-                let [then, now] = [then, now].map(|r| surface.distance(&point_of(&r, u)));
-                e(now - then, normal.dot(&point_of(&linear, u)))
+                let arms = [&then, &now].map(|r| point_of(r, u));
+                let [before, after] = [0, 1].map(|k| surfaces[k].distance(&arms[k]));
+                e(after - before, normal.dot(&(point_of(&linear, u) - body.at(&arms[0]))))
             };
             let handles = [cubic.b[1] - cubic.b[0], cubic.b[2] - cubic.b[3]];
-            add_at(&nodes, &contact.of_changes(&handles, change), forces);
+            let (nodes, count) = side.nodes_at_surface(contact.segment, contact.surface);
+            add_at(&nodes[..count], &contact.of_changes(&handles, change), forces);
         }
     }
 
@@ -74,7 +79,8 @@ impl Engine {
             |contact: &&SurfaceContact| residual.surface_contacts.binary_search_by_key(&at(contact), at).is_err();
         for contact in there.surface_contacts.iter().filter(is_new) {
             if let Some(term) = surface::term(&side.set, &side.surfaces, at(contact), &pressures, Request::default()) {
-                add_at(&side.nodes[contact.segment], &term.gradient, forces);
+                let (nodes, count) = side.nodes_at_surface(contact.segment, contact.surface);
+                add_at(&nodes[..count], &term.gradient, forces);
             }
         }
     }

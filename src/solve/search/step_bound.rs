@@ -5,7 +5,7 @@
 //! every pair of strands apart if t × (bound of the relative motion) is less than their present distance. Pairs are
 //! looked for in a `tree`, which settles parts that move together, are far from each other or lie along an arc too
 //! straight to close as a whole: where nothing is near, a step of any length is free. `isotopy` joins such steps to a
-//! path from one state to another. Obstacles, which do not move, are looked at in
+//! path from one state to another. Obstacles, which move with nodes that carry them only, are looked at in
 //! `surfaces`.
 
 mod isotopy;
@@ -168,7 +168,7 @@ impl ContactSide {
         let tree = PassageTree::new(&self.set, &self.exclusion, &motions, &relative, keep);
         #[cfg(test)]
         assert_eq!(tree.fraction(), tree.fraction_by_all_pairs(), "the tree against all pairs");
-        Ok(tree.fraction().min(surfaces::fraction(&self.set, &self.surfaces, &motions, keep)))
+        Ok(tree.fraction().min(surfaces::fraction(self, increment, &motions, keep)))
     }
 
     /// Motion of a segment in an increment from a state.
@@ -508,6 +508,60 @@ mod tests {
                         "{side} {by}: {} {t}",
                         least(1.2 * t)
                     );
+                }
+            }
+        }
+    }
+
+    /// A ring that a body threads, carried by the end of a rod that moves and turns by itself, or while the ring does: no point of
+    /// the ring comes nearer than it may, all along the part that is allowed.
+    #[test]
+    fn no_step_takes_a_carried_body_through_a_strand() {
+        let (radius, size) = (0.01, 1.0 / TAU);
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, radius);
+        let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
+        let line = Shape::Line { start: Vec3::new(0.0, 0.0, -1.5), direction: Vec3::z(), length: 1.0 };
+        let rod = |name: &str, shape: &Shape, mesh| Rod::new(name, shape, mesh, section, Natural::Straight).unwrap();
+        let rods = vec![rod("ring", &circle, RodMesh::closed(12, 1)), rod("arm", &line, RodMesh::open(4, 1))];
+        let end = NodeRef { rod: 1, node: 4 };
+        let thick =
+            |level: f64, length: Option<f64>| Obstacle { radius: level, ..Obstacle::grip("grip", &rods, end, length) };
+        for obstacle in [thick(0.5 * size, None), thick(0.1 * size, Some(0.8)), thick(0.9 * size, Some(0.4))] {
+            let model = Model { rods: rods.clone(), obstacles: vec![obstacle], ..Model::default() };
+            let mut engine = Engine::new(model, None).unwrap();
+            let state = engine.state.clone();
+            for (by, turn, spin, ring) in [
+                (0.5, 0.0, 0.0, 0.0),
+                (0.0, 0.7, 0.0, 0.0),
+                (0.02, 0.3, 2.0, 0.3),
+                // a turn about the axis moves no surface; from 2 rad on the bound of the rod's own handles would count
+                (0.0, 0.0, 1.0, 0.0),
+                (3.0, 0.9, 0.5, 1.0),
+            ] {
+                engine.update_contact(&state).unwrap();
+                let mut step = waves(&engine, 0.7, 0.1 * ring, 0.1 * ring);
+                for node in engine.first_node[1]..engine.first_node[2] {
+                    step[6 * node..6 * node + 6].copy_from_slice(&[by, 0.0, 0.3 * by, 0.0, turn, spin]);
+                }
+                let t = engine.step_fraction(&state, &step).unwrap();
+                let mut least = |t: f64| {
+                    let there = engine.retract(&state, &step, t);
+                    let side = engine.contact.as_mut().unwrap();
+                    side.place(&there);
+                    let (surface, count) = (side.surfaces[0], side.set.curves[0].count);
+                    let points =
+                        side.set.segments[..count].iter().flat_map(|s| (0..=40).map(|k| s.point(f64::from(k) / 40.0)));
+                    points.map(|r| surface.distance(&(r - surface.point()))).fold(f64::INFINITY, f64::min)
+                };
+                let start = least(0.0);
+                let kept = (0.5 * radius).min(0.75 * start) - 0.06 * radius;
+                assert!(
+                    t > 0.0 && start > 0.0 && (by + turn + ring > 0.0 || t == 1.0),
+                    "{by} {turn} {spin} {ring}: {t}"
+                );
+                for k in 0..=40 {
+                    let here = least(t * f64::from(k) / 40.0);
+                    assert!(here >= kept, "{by} {turn} {spin} {ring}: {here} of {start} at {k}/40 of {t}");
                 }
             }
         }

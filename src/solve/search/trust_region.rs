@@ -135,7 +135,7 @@ impl Workspace {
             self.refresh(engine, &search.state)?;
             let drive_now = drive.scaled(search.remaining);
             let residual = self.linearise(engine, &search.state, &search.stress, &drive_now);
-            if let Some(rod) = engine.falling_for_ever(&search.state, &residual.contact_pairs) {
+            if let Some(rod) = engine.falling_for_ever(&search.state, &residual) {
                 return Err(SolveError::Falls { rod: engine.model.rods[rod].name.clone() });
             }
             let load = residual.potential.load - search.report.work;

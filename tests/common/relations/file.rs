@@ -130,6 +130,7 @@ fn text(problem: &Problem, path: &Path, tables: &mut Vec<(String, String)>) -> S
                 let place = format!("point = {}\naxis = {}", list(point), list(axis));
                 writeln!(out, "\n[[obstacles]]\nname = {name:?}\nshape = \"cylinder\"\n{place}\n{size}")
             }
+            Skeleton::Piece { .. } => unreachable!("no relation has bodies that nodes carry"),
         };
     }
     for stage in &problem.stages {

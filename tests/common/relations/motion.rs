@@ -180,8 +180,9 @@ fn mapped(it: &Obstacle, point: impl Fn(&Vec3) -> Vec3, axis: impl Fn(&Vec3) -> 
         Skeleton::Plane { point: p, normal } => Skeleton::Plane { point: point(p), normal: axis(normal) },
         Skeleton::Point { point: p } => Skeleton::Point { point: point(p) },
         Skeleton::Line { point: p, axis: a } => Skeleton::Line { point: point(p), axis: axis(a) },
+        Skeleton::Piece { .. } => it.skeleton,
     };
-    assert!(it.hinge.is_none(), "no relation has hinges");
+    assert!(it.hinge.is_none() && it.carrier.is_none(), "no relation has hinges, nor bodies that nodes carry");
     Obstacle { skeleton, ..it.clone() }
 }
 

@@ -13,6 +13,13 @@
 //! δU = −p n·δr      δ²U = k (n·δr)² − p δr·∇∇φ δr − p n·δ²r
 //! ```
 //!
+//! A node may carry the body: its point c moves by δc, and it turns about c by a rotation vector θ. With a = r − c and w = δr − δc
+//! − θ × a, how the strand moves as the body sees it,
+//!
+//! ```text
+//! δU = −p n·w      δ²U = k (n·w)² − p w·∇∇φ w − p n·δ²r − 2 p n·((δr − δc) × θ) − p n·(θ × (θ × a))
+//! ```
+//!
 //! A plane does to a strand what the strand's mirror image would, at the distance 2(gap + ε) of its own: the law's contact
 //! distance is 2ε.
 
@@ -32,7 +39,7 @@ use crate::math::{Mat3, Vec3, parallel};
 pub(crate) fn relative(surface: &Surface, set: &CurveSet, segment: usize) -> [Vec3; 4] {
     let points = &set.segments[segment].b;
     let lost = set.remainders.get(segment).copied().unwrap_or_default();
-    std::array::from_fn(|m| (points[m] - surface.point()) + lost[m])
+    std::array::from_fn(|m| (points[m] - surface.point()) + (lost[m] - surface.lost))
 }
 
 /// A point of a cubic.
@@ -57,12 +64,14 @@ pub(crate) struct SurfaceZone {
     pub(crate) torque: Vec3,
 }
 
-/// A quadrature point in contact: its parameter, weight × stiffness of the law \[F/L\], and normal.
+/// A quadrature point in contact: its parameter, weight × stiffness of the law \[F/L\], normal, and place relative to the
+/// surface's own point \[L\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct SurfacePoint {
     u: f64,
     stiffness: f64,
     normal: Vec3,
+    arm: Vec3,
 }
 
 /// A segment in contact with a surface, kept after its term is summed.
@@ -76,21 +85,22 @@ pub(crate) struct SurfaceContact {
     points: Vec<SurfacePoint>,
 }
 
-/// A term with respect to both ends of a segment, six coordinates each (displacement, rotation vector).
+/// A term with respect to both ends of a segment, six coordinates each (displacement, rotation vector), and the same of the
+/// node that carries the body; zero of one that none carries.
 pub(crate) struct SurfaceTerm {
     pub(crate) contact: SurfaceContact,
     /// Energy \[F·L\].
     pub(crate) energy: f64,
-    pub(crate) gradient: [f64; 12],
-    /// Second derivative, the first twelve rows and columns filled; none unless asked for.
+    pub(crate) gradient: [f64; 18],
+    /// Second derivative, the first eighteen rows and columns filled; none unless asked for.
     pub(crate) tangent: Option<Box<PairTangent>>,
 }
 
-/// Terms of all segments that touch a surface, by segments and then by surfaces. `pressures.offset(segment, surface)` is the
-/// offset c at both ends of a segment towards a surface \[L\].
+/// Terms of all segments that touch a surface, by segments and then by surfaces, of those pairs of them that `may_touch`.
+/// `pressures.offset(segment, surface)` is the offset c at both ends of a segment towards a surface \[L\].
 pub(crate) fn evaluate(
     set: &CurveSet,
-    surfaces: &[Surface],
+    (surfaces, may_touch): (&[Surface], impl Fn(usize, usize) -> bool + Sync),
     pressures: &Pressures,
     request: Request,
 ) -> Vec<SurfaceTerm> {
@@ -99,7 +109,8 @@ pub(crate) fn evaluate(
     }
     let of_segments = parallel::map_ranges(set.len(), CHEAP, &|range| {
         let pairs = range.flat_map(|segment| (0..surfaces.len()).map(move |surface| (segment, surface)));
-        pairs.filter_map(|at| term(set, surfaces, at, pressures, request)).collect::<Vec<_>>()
+        let touching = pairs.filter(|at| may_touch(at.0, at.1));
+        touching.filter_map(|at| term(set, surfaces, at, pressures, request)).collect::<Vec<_>>()
     });
     of_segments.into_iter().flatten().collect()
 }
@@ -133,7 +144,11 @@ pub(crate) fn term(
     let mut zones = Vec::new();
     for u in intervals {
         let force_before = sum.force;
-        let moments = sum.add_zone(u, &law, (body, &r), request.tangent);
+        let mut moments = [0.0; 3];
+        for part in smooth_parts(body, &r, u) {
+            let of_part = sum.add_zone(part, &law, (body, &r), request.tangent);
+            (0..3).for_each(|k| moments[k] += of_part[k]);
+        }
         if request.zones {
             let (nearest, distance) = nearest_in(body, &r, u);
             let force: [Vec3; 4] = std::array::from_fn(|m| sum.force[m] - force_before[m]);
@@ -151,8 +166,8 @@ pub(crate) fn term(
     let handles = handles(set, segment);
     Some(SurfaceTerm {
         energy: sum.energy,
-        gradient: gradient(&handles, &sum.force),
-        tangent: request.tangent.then(|| sum.tangent(&handles)),
+        gradient: gradient(&handles, &sum.force, &sum.torque),
+        tangent: request.tangent.then(|| sum.tangent(&handles, body.carried)),
         contact: SurfaceContact { segment, surface, zones, points: sum.points },
     })
 }
@@ -170,14 +185,38 @@ fn for_each_point([start, end]: [f64; 2], length: f64, contact_distance: f64, mu
     }
 }
 
-/// Bernstein coefficients of a polynomial along a cubic that rises with the distance δ from the skeleton: δ of a plane, δ² of
-/// others. `of_linear` is the same of a distance that is linear, from one end to the other.
-fn rising(surface: &Surface, r: &[Vec3; 4]) -> Vec<f64> {
-    if let Skeleton::Plane { normal, .. } = surface.skeleton {
-        return r.iter().map(|r| normal.dot(r)).collect();
+/// Bernstein coefficients of polynomials along a cubic, one of which rises with the distance δ from the skeleton at any place:
+/// δ of a plane, δ² of others. `of_linear` is the same of a distance that is linear, from one end to the other.
+fn rising(surface: &Surface, r: &[Vec3; 4]) -> Vec<Vec<f64>> {
+    let squared = |away: [Vec3; 4]| square(|i, j| away[i].dot(&away[j]));
+    match surface.skeleton {
+        Skeleton::Plane { normal, .. } => vec![r.iter().map(|r| normal.dot(r)).collect()],
+        Skeleton::Point { .. } => vec![squared(*r)],
+        Skeleton::Line { axis, .. } => vec![squared(across(r, &axis))],
+        Skeleton::Piece { axis, .. } => {
+            let of_ends = surface.skeleton.ends().map(|end| squared(r.map(|r| r - axis * end)));
+            of_ends.chain([squared(across(r, &axis))]).collect()
+        }
     }
-    let away = r.map(|r| surface.skeleton.away(&r));
-    square(|i, j| away[i].dot(&away[j]))
+}
+
+/// The parts of control points that lead away from a line.
+fn across(r: &[Vec3; 4], axis: &Vec3) -> [Vec3; 4] {
+    r.map(|r| r - axis * axis.dot(&r))
+}
+
+/// An interval cut where the second derivative of φ jumps.
+fn smooth_parts(surface: &Surface, r: &[Vec3; 4], [start, end]: [f64; 2]) -> Vec<[f64; 2]> {
+    let mut cuts = vec![start, end];
+    if let Skeleton::Piece { axis, .. } = surface.skeleton {
+        for at in surface.skeleton.ends() {
+            let mut found = Roots::new();
+            roots(&r.map(|r| axis.dot(&r) - at), &mut found);
+            cuts.extend(found.as_slice().iter().filter(|u| **u > start && **u < end));
+        }
+        cuts.sort_by(f64::total_cmp);
+    }
+    cuts.windows(2).map(|pair| [pair[0], pair[1]]).collect()
 }
 
 /// See [`rising`].
@@ -200,18 +239,24 @@ fn square(products: impl Fn(usize, usize) -> f64) -> Vec<f64> {
 /// Where a cubic is nearer to a surface than a distance that is linear from one end to the other, ascending.
 fn where_nearer(surface: &Surface, r: &[Vec3; 4], limit: [f64; 2]) -> Vec<[f64; 2]> {
     let of_skeleton = limit.map(|limit| surface.level + surface.sign * limit);
-    let [here, there] = [rising(surface, r), of_linear(surface, of_skeleton)];
-    let beyond: Vec<f64> = here.iter().zip(&there).map(|(here, there)| surface.sign * (there - here)).collect();
+    let there = of_linear(surface, of_skeleton);
+    let beyond = |here: &Vec<f64>| -> Vec<f64> {
+        here.iter().zip(&there).map(|(here, there)| surface.sign * (there - here)).collect()
+    };
+    let beyond: Vec<Vec<f64>> = rising(surface, r).iter().map(beyond).collect();
     let has_sign = surface.skeleton.is_flat() || of_skeleton.iter().all(|distance| *distance > 0.0);
-    if has_sign && beyond.iter().all(|x| *x <= 0.0) {
+    if has_sign && beyond.iter().flatten().all(|x| *x <= 0.0) {
         return Vec::new();
     }
-    if has_sign && beyond.iter().all(|x| *x > 0.0) {
+    if has_sign && beyond.iter().flatten().all(|x| *x > 0.0) {
         return vec![[0.0, 1.0]];
     }
-    let mut found = Roots::new();
-    roots(&beyond, &mut found);
-    let mut ends: Vec<f64> = found.as_slice().to_vec();
+    let mut ends = Vec::new();
+    for beyond in &beyond {
+        let mut found = Roots::new();
+        roots(beyond, &mut found);
+        ends.extend(found.as_slice());
+    }
     if !has_sign {
         // squares do not tell a distance from its negative
         ends.push(of_skeleton[0] / (of_skeleton[0] - of_skeleton[1]));
@@ -233,10 +278,13 @@ fn where_nearer(surface: &Surface, r: &[Vec3; 4], limit: [f64; 2]) -> Vec<[f64; 
 
 /// Place and value of the smallest distance of a cubic from a surface in an interval.
 pub(crate) fn nearest_in(surface: &Surface, r: &[Vec3; 4], [start, end]: [f64; 2]) -> (f64, f64) {
-    let rising = rising(surface, r);
-    let mut found = Roots::new();
-    roots(&derivative(&rising)[..rising.len() - 1], &mut found);
-    let inside = found.as_slice().iter().copied().filter(|u| *u > start && *u < end);
+    let mut stationary = Vec::new();
+    for rising in rising(surface, r) {
+        let mut found = Roots::new();
+        roots(&derivative(&rising)[..rising.len() - 1], &mut found);
+        stationary.extend(found.as_slice());
+    }
+    let inside = stationary.into_iter().filter(|u| *u > start && *u < end);
     let places = [start, end].into_iter().chain(inside).map(|u| (u, surface.distance(&point_of(r, u))));
     places.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((start, f64::INFINITY))
 }
@@ -247,8 +295,12 @@ struct SurfaceSum {
     energy: f64,
     /// ∫p w_m n ds of the four control points \[F\].
     force: [Vec3; 4],
+    /// ∫p a × n ds, of the force about the surface's own point \[F·L\].
+    torque: Vec3,
     /// ∫a_i a_j (k n nᵀ − p ∇∇φ) ds, a the shares of the ends in a point, see [`shares`] \[F/L\].
     stiffness: [[Mat3; 4]; 4],
+    /// What a body that a node carries adds to it.
+    carried: CarriedStiffness,
     /// The points in contact, if the tangent was asked for.
     points: Vec<SurfacePoint>,
 }
@@ -275,11 +327,15 @@ impl SurfaceSum {
             self.energy += weight * response.energy;
             (0..3).for_each(|k| moments[k] += force * u.powi(k as i32));
             cubic_weights(u).iter().zip(&mut self.force).for_each(|(w, sum)| *sum += normal * (force * w));
+            self.torque += here.cross(&normal) * force;
             if tangent && response.stiffness.is_finite() {
                 let stiffness = weight * response.stiffness;
                 let matrix = normal * normal.transpose() * stiffness - surface.curvature(&here) * (weight * carried);
                 self.add_stiffness(u, &matrix);
-                self.points.push(SurfacePoint { u, stiffness, normal });
+                if surface.carried {
+                    self.carried.add(u, &matrix, (&here, &(normal * (weight * carried))));
+                }
+                self.points.push(SurfacePoint { u, stiffness, normal, arm: here });
             }
         });
         moments
@@ -292,12 +348,15 @@ impl SurfaceSum {
         }
     }
 
-    fn tangent(&self, handles: &[Vec3; 2]) -> Box<PairTangent> {
+    fn tangent(&self, handles: &[Vec3; 2], carried: bool) -> Box<PairTangent> {
         let mut tangent: Box<PairTangent> = Box::new([[0.0; 24]; 24]);
         let maps = rates(handles);
         for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
             let block = maps[i].transpose() * self.stiffness[i][j] * maps[j];
             (0..9).for_each(|k| tangent[3 * i + k / 3][3 * j + k % 3] = block[(k / 3, k % 3)]);
+        }
+        if carried {
+            self.carried.add_to(&mut tangent, &maps);
         }
         // a handle under a force f turns by θ × h + ½θ × (θ × h) + …: ½(f hᵀ + h fᵀ) − f·h
         for (end, handle) in handles.iter().enumerate() {
@@ -308,6 +367,50 @@ impl SurfaceSum {
             }
         }
         tangent
+    }
+}
+
+/// Sums over the quadrature points of what the motion of the node that carries a body adds to a second derivative. A strand
+/// moves by w = Σ a_i δ_i − δc + A θ as the body sees it, A θ = a × θ, under M = k n nᵀ − p ∇∇φ.
+#[derive(Debug, Default)]
+struct CarriedStiffness {
+    /// ∫a_i M ds, and ∫M ds \[F/L\].
+    displaced: [Mat3; 5],
+    /// ∫a_i (M A + \[p n\]×) ds, and ∫M A + \[p n\]× ds \[F\].
+    turned: [Mat3; 5],
+    /// ∫Aᵀ M A − p (½(n aᵀ + a nᵀ) − n·a) ds \[F·L\].
+    spun: Mat3,
+}
+
+impl CarriedStiffness {
+    /// Adds a point at `arm` from the body's, with M ds and p n ds.
+    fn add(&mut self, u: f64, matrix: &Mat3, (arm, force): (&Vec3, &Vec3)) {
+        let turning = arm.cross_matrix();
+        let turned = matrix * turning + force.cross_matrix();
+        let [a, b, c, d] = shares(&cubic_weights(u));
+        for (k, share) in [a, b, c, d, 1.0].into_iter().enumerate() {
+            self.displaced[k] += matrix * share;
+            self.turned[k] += turned * share;
+        }
+        let straightens = (force * arm.transpose() + arm * force.transpose()) * 0.5 - Mat3::identity() * force.dot(arm);
+        self.spun += turning.transpose() * matrix * turning - straightens;
+    }
+
+    /// Fills the rows and columns of the node, 12 to 17; `maps` are the [`rates`] of the segment's ends.
+    fn add_to(&self, tangent: &mut PairTangent, maps: &[Mat3; 4]) {
+        let mut put = |[i, j]: [usize; 2], block: Mat3| {
+            for (k, l) in (0..3).flat_map(|k| (0..3).map(move |l| (k, l))) {
+                tangent[3 * i + k][3 * j + l] = block[(k, l)];
+                tangent[3 * j + l][3 * i + k] = block[(k, l)];
+            }
+        };
+        for (i, map) in maps.iter().enumerate() {
+            put([i, 4], -map.transpose() * self.displaced[i]);
+            put([i, 5], map.transpose() * self.turned[i]);
+        }
+        put([4, 4], self.displaced[4]);
+        put([4, 5], -self.turned[4]);
+        put([5, 5], self.spun);
     }
 }
 
@@ -329,10 +432,12 @@ fn rates(handles: &[Vec3; 2]) -> [Mat3; 4] {
     [Mat3::identity(), turned[0], Mat3::identity(), turned[1]]
 }
 
-/// Minus forces on the four control points, by the displacement and rotation of both ends.
-fn gradient(handles: &[Vec3; 2], force: &[Vec3; 4]) -> [f64; 12] {
+/// Minus forces on the four control points, by the displacement and rotation of both ends; of the node that carries the body their
+/// sum, and the torque of the forces about the body's point.
+fn gradient(handles: &[Vec3; 2], force: &[Vec3; 4], torque: &Vec3) -> [f64; 18] {
     let of_ends = [force[0] + force[1], handles[0].cross(&force[1]), force[2] + force[3], handles[1].cross(&force[2])];
-    std::array::from_fn(|i| -of_ends[i / 3][i % 3])
+    let of_body = [-(of_ends[0] + of_ends[2]), -torque];
+    std::array::from_fn(|i| if i < 12 { -of_ends[i / 3][i % 3] } else { -of_body[i / 3 - 4][i % 3] })
 }
 
 impl SurfaceContact {
@@ -341,41 +446,44 @@ impl SurfaceContact {
         self.zones.iter().map(|zone| zone.min_gap).fold(f64::INFINITY, f64::min)
     }
 
-    /// Each point with ∂gap/∂x by the ends of the segment, which is one of `set`, and weight × stiffness there \[F/L\].
+    /// Each point with ∂gap/∂x by the ends of the segment, which is one of `set`, and the node that carries the body, and weight ×
+    /// stiffness there \[F/L\].
     pub(crate) fn gap_gradients<'a>(&'a self, set: &'a CurveSet) -> impl Iterator<Item = (TouchedPoint, f64)> + 'a {
-        self.points.iter().map(move |point| (self.touched(set, point.u, point.normal), point.stiffness))
+        self.points.iter().map(move |point| (self.touched(set, point.u, point.normal, &point.arm), point.stiffness))
     }
 
     /// The point of the smallest gap, if zones were asked for.
     pub(crate) fn nearest(&self, set: &CurveSet, body: &Surface) -> Option<TouchedPoint> {
         let zone = self.zones.iter().min_by(|a, b| a.min_gap.total_cmp(&b.min_gap))?;
-        let normal = body.normal(&point_of(&relative(body, set, self.segment), zone.nearest));
-        Some(self.touched(set, zone.nearest, normal))
+        let arm = point_of(&relative(body, set, self.segment), zone.nearest);
+        Some(self.touched(set, zone.nearest, body.normal(&arm), &arm))
     }
 
-    fn touched(&self, set: &CurveSet, u: f64, normal: Vec3) -> TouchedPoint {
+    fn touched(&self, set: &CurveSet, u: f64, normal: Vec3, arm: &Vec3) -> TouchedPoint {
         let weights = cubic_weights(u).map(|w| -normal * w);
-        let gap_gradient = gradient(&handles(set, self.segment), &weights);
+        let gap_gradient = gradient(&handles(set, self.segment), &weights, &-arm.cross(&normal));
         TouchedPoint { gap_gradient, at: set.segments[self.segment].point(u), normal }
     }
 
-    /// Σ W k e ∂gap/∂x by the ends of the segment where the term was evaluated, with these handles: the gradient of a law that
-    /// went on linearly, `change(u, normal)` the change e of the gap at each point in contact \[L\].
-    pub(crate) fn of_changes(&self, handles: &[Vec3; 2], change: impl Fn(f64, &Vec3) -> f64) -> [f64; 12] {
-        let mut sum = [Vec3::zeros(); 4];
+    /// Σ W k e ∂gap/∂x by the ends of the segment where the term was evaluated, with these handles, and the node that carries
+    /// the body: the gradient of a law that went on linearly, `change(u, normal)` the change e of the gap at each point in
+    /// contact \[L\].
+    pub(crate) fn of_changes(&self, handles: &[Vec3; 2], change: impl Fn(f64, &Vec3) -> f64) -> [f64; 18] {
+        let (mut sum, mut torque) = ([Vec3::zeros(); 4], Vec3::zeros());
         for point in &self.points {
             let force = point.normal * (-point.stiffness * change(point.u, &point.normal));
             cubic_weights(point.u).iter().zip(&mut sum).for_each(|(w, sum)| *sum += force * *w);
+            torque += point.arm.cross(&force);
         }
-        gradient(handles, &sum)
+        gradient(handles, &sum, &torque)
     }
 }
 
 /// A point of a segment at a surface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TouchedPoint {
-    /// ∂gap/∂x by the ends of the segment.
-    pub(crate) gap_gradient: [f64; 12],
+    /// ∂gap/∂x by the ends of the segment and the node that carries the body.
+    pub(crate) gap_gradient: [f64; 18],
     /// \[L\]
     pub(crate) at: Vec3,
     /// Of the surface, towards the strand.

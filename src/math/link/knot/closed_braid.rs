@@ -64,6 +64,67 @@ pub(crate) fn closed_braid(word: &[i32], component: Option<usize>) -> Result<Vec
     Ok(points)
 }
 
+/// Half of the distance of the tails of an overhand knot where they wind about each other, over the radius of its loop: a sixth of
+/// the loop is open still.
+const TAILS_APART: f64 = 0.12;
+/// Most half turns of an overhand knot's tails.
+const MOST_HALF_TURNS: u32 = 99;
+
+/// An overhand knot in a rod of this length, for a loop of radius 1: a tail along x from the origin, a loop, and a tail along x.
+/// Where both tails pass, they wind about each other by half turns, right-handed positive.
+///
+/// # Errors
+/// [`InputError::Inconsistent`] for numbers of half turns that tie no knot; [`InputError::Value`] for a rod that is too short.
+pub(crate) fn overhand(length: f64, half_turns: i32) -> Result<Vec<Vec3>, InputError> {
+    let count = half_turns.unsigned_abs();
+    if count.is_multiple_of(2) || !(3..=MOST_HALF_TURNS).contains(&count) {
+        let reason =
+            format!("{half_turns} tie no knot: give an odd number, 3 to {MOST_HALF_TURNS} or −{MOST_HALF_TURNS} to −3");
+        return Err(InputError::inconsistent("shape.half_turns", reason));
+    }
+    let crossings = f64::from(count);
+    let half = (0.5 * crossings + 0.25) * (2.0 * TAILS_APART).sqrt();
+    // both tails wind from −half to half and leave each other over twice that; the loop is round but for its feet
+    let wound = |tail: f64| tied(crossings, half, tail);
+    let size = |points: &[Vec3]| points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>();
+    let least = 3.0 * half;
+    let straight = 0.5 * (length - size(&wound(least)));
+    InputError::check(
+        "shape.length",
+        length,
+        straight >= 0.0,
+        "longer: there is no room for the knot, over the radius",
+    )?;
+    let points = wound(least + straight);
+    let (first, up) = (points[0], f64::from(half_turns.signum()));
+    Ok(points.into_iter().map(|p| p - first).map(|p| Vec3::new(p.x, p.y, up * p.z)).collect())
+}
+
+/// The curve of [`overhand`], from x = −`tail` to `tail`.
+fn tied(crossings: f64, half: f64, tail: f64) -> Vec<Vec3> {
+    // 0 to 1 with level ends
+    let smooth = |t: f64| {
+        let t = t.clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    };
+    let offset = |x: f64| {
+        let angle = crossings * 0.5 * TAU * smooth(0.5 + 0.5 * x / half);
+        let fade = 1.0 - smooth((x.abs() - half) / (2.0 * half));
+        Vec3::new(0.0, -angle.cos(), -angle.sin()) * (TAILS_APART * fade)
+    };
+    let step = 0.05 * half;
+    let count = |length: f64| (length / step).ceil() as usize;
+    let (ends, turn) = (count(tail + half), count(TAU));
+    let part = |i: usize, n: usize| i as f64 / n as f64;
+    let first = (0..ends).map(|i| -tail + (tail + half) * part(i, ends)).map(|x| Vec3::x() * x + offset(x));
+    let around = (0..turn).map(|i| TAU * part(i, turn)).map(|a| {
+        let base = Vec3::new(a.sin() + half * (0.5 * a).cos(), 1.0 - a.cos(), 0.0);
+        base + if a < 0.5 * TAU { offset(half + a) } else { -offset(a - TAU - half) }
+    });
+    let last = (0..=ends).map(|i| (tail + half) * part(i, ends) - half).map(|x| Vec3::x() * x - offset(x));
+    first.chain(around).chain(last).collect()
+}
+
 /// Limits of words: more make no rod that can be run.
 const MOST_LETTERS: usize = 1000;
 const MOST_STRANDS: u32 = 100;
@@ -101,9 +162,30 @@ fn components(word: &[i32], strands: usize) -> Vec<Vec<usize>> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::alexander;
     use super::super::table::KNOTS;
     use super::*;
     use crate::math::link::linking_number;
+
+    /// Overhand knots have the length, straight tails along one line, and the determinant of the torus knot (2, n).
+    #[test]
+    fn overhand_knots_are_tied() {
+        for (half_turns, length) in [(3, 20.0), (-3, 40.0), (5, 30.0)] {
+            let points = overhand(length, half_turns).unwrap();
+            let found: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+            assert!((found - length).abs() < 1e-3 * length, "{found}");
+            let (first, last) = (points[0], points[points.len() - 1]);
+            assert!(first == Vec3::zeros() && last.yz().norm() < 1e-12);
+            let mut closed = points.clone();
+            closed.extend([[2.0, 0.0], [2.0, -9.0], [-1.0, -9.0]].map(|[x, y]| Vec3::new(x * last.x, y * length, 0.0)));
+            let found = alexander(&closed).unwrap().determinant;
+            assert!((found - f64::from(half_turns.abs())).abs() < 1e-6, "{half_turns} {found}");
+        }
+        for (length, half_turns, key) in [(20.0, 2, "half_turns"), (20.0, 1, "half_turns"), (5.0, 3, "length")] {
+            let refused = overhand(length, half_turns).unwrap_err().to_string();
+            assert!(refused.starts_with(&format!("shape.{key}")), "{refused}");
+        }
+    }
 
     /// Strands stay a distance apart, also where they cross.
     #[test]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::super::values::{List, NaturalText, Pair, some_table, table};
+use super::super::values::{At, List, NaturalText, Pair, some_table, table, tables};
 use super::ShapeText;
 
 fn default_order() -> usize {
@@ -81,6 +81,25 @@ pub(in super::super) struct RodText {
     /// Twist at the start beyond the natural one, spread evenly; the frame at s = 0 stays.
     #[schemars(extend("x-unit" = "turns", "x-allowed" = "open rods", "x-default" = "0"))]
     pub twist: Option<f64>,
+    /// Rigid balls about nodes, which move with them and take part in contact.
+    #[serde(default, deserialize_with = "tables")]
+    pub beads: Vec<BeadText>,
+}
+
+/// A ball without friction that a node carries: what other strands exert on it acts on the node. The rod's own strand next to the
+/// node, π/2 (radius + contact radius) to either side, does not touch it. Beads do not touch each other, nor obstacles.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in super::super) struct BeadText {
+    /// Node at its centre.
+    pub at: At,
+    /// Radius.
+    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0))]
+    pub radius: f64,
+    /// Name by which stages and reports call it.
+    #[serde(default)]
+    #[schemars(extend("x-allowed" = "unlike those of planes, obstacles and other beads", "x-default" = "`ROD_bead`, with a number if the rod has several"))]
+    pub name: String,
 }
 
 impl RodText {

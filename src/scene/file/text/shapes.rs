@@ -11,6 +11,10 @@ fn one() -> usize {
     1
 }
 
+fn three() -> i32 {
+    3
+}
+
 fn unit_scale() -> f64 {
     1.0
 }
@@ -213,6 +217,23 @@ pub(in super::super) enum ShapeText {
         #[serde(default)]
         #[schemars(extend("x-unit" = "L"))]
         center: List<f64, 3>,
+    },
+    /// An overhand knot in an open rod, between straight tails along x; tied loosely, about a round loop.
+    Overhand {
+        /// Length of the rod.
+        #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "at least 15 radii, of 3 half turns", "x-default" = "from `dna`"))]
+        length: Option<f64>,
+        /// Radius of the loop.
+        #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0))]
+        radius: f64,
+        /// Half turns by which the tails wind about each other: 3 make a trefoil, 5 a cinquefoil; negative ones the mirror image.
+        #[serde(default = "three")]
+        #[schemars(extend("x-allowed" = "odd, 3 to 99 or −99 to −3"))]
+        half_turns: i32,
+        /// Start of the rod.
+        #[serde(default)]
+        #[schemars(extend("x-unit" = "L"))]
+        start: List<f64, 3>,
     },
     /// A torus knot.
     TorusKnot {

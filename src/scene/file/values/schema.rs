@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
-use super::{At, FixedAxes, List, NaturalText, OneOrMany, Pair, RodNames};
+use super::{At, FixedAxes, GripText, List, NaturalText, OneOrMany, Pair, RodNames};
 
 /// A schema in the place of the key, because these values have no table of their own in the reference.
 macro_rules! inline {
@@ -50,6 +50,18 @@ impl JsonSchema for At {
         json_schema!({
             "anyOf": [{ "enum": ["start", "end"] }, { "type": "integer", "minimum": 0 }, arc],
             "x-value": "`\"start\"`, `\"end\"`, an index, or `{ arc = s }`, the node nearest to an arc length s, L"
+        })
+    }
+}
+
+impl JsonSchema for GripText {
+    inline!(GripText);
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "anyOf": [{ "enum": ["none", "endless"] }, { "type": "number", "exclusiveMinimum": 0 }],
+            "x-value": "`\"none\"`, `\"endless\"` or a length",
+            "x-default": "`\"none\"`: the rod ends in a point"
         })
     }
 }

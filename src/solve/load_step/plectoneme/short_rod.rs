@@ -28,7 +28,7 @@ const LENGTHS: f64 = 30.0;
 
 impl Solver {
     /// The plectoneme that a uniform rod snaps into whose end turns ([`turned_end`](super::growth::turned_end)); `None`
-    /// if it is not straight, not long, stable, or if loads or obstacles make places of it differ. Iterations on the short
+    /// if it is not straight, not long, stable, or if loads or obstacles make places of it differ, but for its ends. Iterations on the short
     /// rod are added to `elsewhere`.
     pub(super) fn snapped_short(&mut self, to: &State, elsewhere: &mut usize) -> Option<Guess> {
         let nodes = short_length(&self.engine)?;
@@ -98,8 +98,9 @@ fn short_length(engine: &Engine) -> Option<usize> {
     let x = &engine.state.positions;
     let last = x.len() - 1;
     let is_end = |node: usize| node == 0 || node == last;
-    let even =
-        model.line_loads.is_empty() && model.obstacles.is_empty() && model.loads.iter().all(|l| is_end(l.node.node));
+    // what the ends carry is far from where a piece snaps
+    let at_ends = model.obstacles.iter().all(|obstacle| obstacle.carrier.is_some_and(|at| is_end(at.node)));
+    let even = model.line_loads.is_empty() && at_ends && model.loads.iter().all(|l| is_end(l.node.node));
     let along: f64 = x.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
     let is_straight = (x[last] - x[0]).norm() >= (1.0 - NOTHING) * along;
     let tension = engine.actual_stress(&engine.state)[rod.num_elements / 2][0][2];
@@ -116,7 +117,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::scene::{LineLoad, NodeLoad};
+    use crate::scene::{LineLoad, NodeLoad, Obstacle};
     use crate::solve::load_step::guess::Ahead;
     use crate::solve::load_step::plectoneme::growth::tests::{dna, energies, turn};
     use crate::solve::load_step::plectoneme::growth::{link, turned_end};
@@ -186,6 +187,13 @@ mod tests {
         let force = Vec3::x() * 1e-3;
         model.line_loads.push(LineLoad { rod: 0, force, moment: Vec3::zeros() });
         assert!(!snaps(&mut as_loaded(&solver, model), &drive), "pulled all along");
+        for (node, at_end) in [(0, true), (300, false)] {
+            let mut model = solver.engine.model.clone();
+            model.obstacles = vec![Obstacle::bead("bead", &model.rods, NodeRef { rod: 0, node }, 20.0)];
+            let mut carrying = as_loaded(&solver, model);
+            carrying.engine.state.placements = carrying.engine.model.obstacles.iter().map(Obstacle::start).collect();
+            assert_eq!(snaps(&mut carrying, &drive), at_end, "a bead at node {node}");
+        }
         solver.engine.state.positions[300].y += 1e-3;
         assert!(!snaps(&mut solver, &drive), "bent");
         let (short, _) = about_to_snap(80, 1);

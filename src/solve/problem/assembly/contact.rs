@@ -111,12 +111,14 @@ impl Engine {
         };
         let before = earlier.map(|(law, _)| (*law, &offset_before as &Offsets));
         let pressures = Pressures { before, ..Pressures::of(side.law, &offset) };
-        for found in surface::evaluate(&side.set, &side.surfaces, &pressures, request) {
-            let nodes = side.nodes[found.contact.segment];
+        let candidates = (&side.surfaces[..], |segment, surface| side.is_candidate(segment, surface));
+        for found in surface::evaluate(&side.set, candidates, &pressures, request) {
+            let (nodes, count) = side.nodes_at_surface(found.contact.segment, found.contact.surface);
+            let nodes = &nodes[..count];
             out.potential.contact += found.energy;
-            add_to_contact(out, &nodes, &found.gradient);
+            add_to_contact(out, nodes, &found.gradient);
             if let (Some(sink), Some(blocks)) = (&mut sink, found.tangent) {
-                sink.add(&nodes, &blocks);
+                sink.add(nodes, &blocks);
             }
             out.surface_contacts.push(found.contact);
         }
@@ -155,6 +157,7 @@ impl ContactSide {
         if self.is_current && self.broad_phase.is_for(range, margin) {
             return Ok(false);
         }
+        self.update_bodies((range, margin));
         self.is_current = false;
         self.exclusion.update(&self.set)?;
         self.broad_phase.candidates(&self.set, &self.exclusion, range, margin).map_err(not_finite)?;
@@ -173,8 +176,7 @@ impl ContactSide {
             self.set.remainders[k] = lost;
             self.is_current &= std::mem::replace(&mut self.set.segments[k], now) == now;
         }
-        let placed = self.obstacles.iter().zip(&state.placements);
-        self.surfaces = placed.map(|(obstacle, placement)| obstacle.placed(placement)).collect();
+        self.place_surfaces(state);
     }
 }
 

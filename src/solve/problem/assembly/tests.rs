@@ -4,7 +4,7 @@ use super::*;
 use crate::math::Vec3;
 use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
 use crate::scene::{
-    Contact, ContactLaw, Electrostatics, LineLoad, Model, NodeLoad, NodeRef, Obstacle, ObstaclePose, Side,
+    Contact, ContactLaw, Electrostatics, LineLoad, Model, NodeLoad, NodeRef, Obstacle, ObstaclePose, Side, Skeleton,
 };
 use crate::solve::problem::moment_load::work_of_moments;
 
@@ -191,6 +191,74 @@ fn gradient_and_tangent_at_curved_surfaces_match_finite_differences() {
     }
 }
 
+/// The rings, each with a body that a node of it carries, and that the other one touches: a bead, or a capsule along an axis.
+fn engine_with_bodies(piece: Option<(f64, Option<f64>)>) -> Engine {
+    let Engine { mut model, mut state, .. } = engine();
+    let [own, other] = [NodeRef { rod: 0, node: 2 }, NodeRef { rod: 1, node: 14 }];
+    let body = |name: &str, at: NodeRef| {
+        let bead = Obstacle::bead(name, &model.rods, at, 1e-3);
+        let point = bead.skeleton.point();
+        // off the plane of the ring, and out of it
+        let out = point - model.rods[at.rod].positions.iter().sum::<Vec3>() / model.rods[at.rod].num_nodes() as f64;
+        let normal = if at.rod == 0 { Vec3::z() } else { Vec3::y() };
+        let of_piece = |(slant, length): (f64, _)| {
+            let axis = (out.normalize() + normal * slant).normalize();
+            Skeleton::Piece { point, axis, length }
+        };
+        Obstacle { skeleton: piece.map_or(bead.skeleton, of_piece), ..bead }
+    };
+    model.obstacles = vec![body("on a", own), body("on b", other)];
+    state.placements = model.obstacles.iter().map(Obstacle::start).collect();
+    state.load_factor = 0.0;
+    let mut engine = touching(model, state);
+    let state = engine.state.clone();
+    // each as large as reaches the other ring's centreline less its radius
+    for (k, nodes) in [engine.nodes(1), engine.nodes(0)].into_iter().enumerate() {
+        let surface = engine.contact.as_ref().unwrap().surface_in(&state, k);
+        let distance = |n: usize| surface.distance(&(state.positions[n] - surface.point())) + surface.level;
+        engine.state.placements[k].level = nodes.map(distance).fold(f64::INFINITY, f64::min) - 0.055;
+    }
+    engine
+}
+
+/// Bodies that move and turn with free nodes: spheres, and capsules touched beside, at an end, and where both meet.
+#[test]
+fn gradient_and_tangent_at_carried_bodies_match_finite_differences() {
+    let cases = [
+        None,
+        Some((0.5, None)),
+        Some((-2.0, None)),
+        Some((0.8, Some(0.05))),
+        Some((-0.7, Some(0.2))),
+        Some((3.0, Some(0.3))),
+    ];
+    for piece in cases {
+        let mut engine = engine_with_bodies(piece);
+        let state = engine.state.clone();
+        let residual = at(&mut engine, &state);
+        let touched = |k: usize| residual.surface_contacts.iter().filter(|contact| contact.surface == k).count();
+        assert!(touched(0) >= 2 && touched(1) >= 2, "{piece:?} {} {}", touched(0), touched(1));
+        check_contact_slope(&mut engine, &residual);
+        check_derivatives(engine);
+    }
+}
+
+/// What the motion of a body, its turns included, does to gaps beyond its linear part is of second order.
+#[test]
+fn second_order_forces_at_carried_bodies_grow_with_the_square() {
+    for piece in [None, Some((0.5, None)), Some((0.8, Some(0.05)))] {
+        let mut engine = engine_with_bodies(piece);
+        let state = engine.state.clone();
+        let v = direction(engine.num_nodes(), 0.5);
+        let mut missed = |by: f64| {
+            let increment: Vec<f64> = v.iter().map(|v| v * by).collect();
+            second_order_at_surfaces(&mut engine, &state, &increment)
+        };
+        let [half, whole] = [missed(1e-4), missed(2e-4)];
+        assert!(half > 1e-12 && (whole / half - 4.0).abs() < 0.2, "{piece:?} {half} {whole}");
+    }
+}
+
 /// What a motion does to gaps beyond its linear part is of second order in it, sliding round a surface included.
 #[test]
 fn second_order_forces_at_curved_surfaces_grow_with_the_square() {
@@ -230,16 +298,20 @@ fn gradient_and_tangent_on_planes_match_finite_differences() {
     let residual = at(&mut engine, &state);
     let touched = |plane: usize| residual.surface_contacts.iter().filter(|contact| contact.surface == plane).count();
     assert!(touched(0) >= 3 && touched(1) >= 3, "{} {}", touched(0), touched(1));
-    // contact alone: its gradient is the slope of its energy
+    check_contact_slope(&mut engine, &residual);
+    check_derivatives(engine);
+}
+
+/// Contact alone: its gradient is the slope of its energy.
+fn check_contact_slope(engine: &mut Engine, residual: &Residual) {
+    let state = engine.state.clone();
     let v = direction(engine.num_nodes(), 0.5);
     let energy = |engine: &mut Engine, h: f64| at(engine, &state.moved(&v, h)).potential.contact;
     let h = 1e-6;
-    let slope = (8.0 * (energy(&mut engine, h) - energy(&mut engine, -h))
-        - (energy(&mut engine, 2.0 * h) - energy(&mut engine, -2.0 * h)))
+    let slope = (8.0 * (energy(engine, h) - energy(engine, -h)) - (energy(engine, 2.0 * h) - energy(engine, -2.0 * h)))
         / (12.0 * h);
     let ours: f64 = residual.contact_gradient.iter().zip(&v).map(|(g, v)| g * v).sum();
     assert!((slope - ours).abs() < 1e-7 * ours.abs(), "{slope} {ours}");
-    check_derivatives(engine);
 }
 
 /// A motion along the planes is predicted exactly; what a rotation of handles adds beyond its linear part is not, and

@@ -8,7 +8,6 @@ use super::{
     Supports, holds_all, is_falling, is_free, is_round, least_size, left_alone, rigid_motions, spin_of, subtract,
     subtract_force, touched_by,
 };
-use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
@@ -37,7 +36,7 @@ impl Several {
     /// Of a model where strands touch as in a residual.
     pub(super) fn of(engine: &Engine, state: &State, residual: &Residual, weights: [f64; 2]) -> Self {
         let mut several = Self { weights, first_node: engine.first_node.clone(), ..Self::default() };
-        for group in groups(engine, &residual.contact_pairs) {
+        for group in groups(engine, residual) {
             let start = several.motions.len();
             // loads do work on some of the motions of such a group, which are then left to them
             let falls = group.iter().any(|&rod| is_falling(engine, rod));
@@ -161,17 +160,19 @@ fn by_rods(engine: &Engine, rods: &[usize], motion: &[f64]) -> NodalMotions {
     rods.iter().map(piece).collect()
 }
 
-/// Rods that touch each other or are joined, directly or by others; each group and the groups in the order of their first rods.
-fn groups(engine: &Engine, contact_pairs: &[ContactPair]) -> Vec<Vec<usize>> {
+/// Rods that touch each other, or bodies that they carry, or are joined, directly or by others; each group and the groups in the order of their first rods.
+fn groups(engine: &Engine, residual: &Residual) -> Vec<Vec<usize>> {
     let mut scratch = Vec::new();
     let mut touching = Groups::apart(engine.model.rods.len(), &mut scratch);
     engine.model.joints.iter().for_each(|joint| touching.join(joint.a.rod, joint.b.rod));
     if let Some(side) = &engine.contact {
-        for pair in contact_pairs {
+        for pair in &residual.contact_pairs {
             let [a, _, b, _] = side.nodes_of(pair).map(|node| engine.rod_of(node));
             touching.join(a, b);
         }
     }
+    let at_bodies = residual.surface_contacts.iter().filter_map(|contact| engine.rods_at_body(contact));
+    at_bodies.for_each(|[a, b]| touching.join(a, b));
     let mut groups: Vec<Vec<usize>> = vec![Vec::new(); engine.model.rods.len()];
     (0..groups.len()).for_each(|rod| groups[touching.first(rod)].push(rod));
     groups.retain(|group| !group.is_empty());

@@ -11,14 +11,19 @@
 //! (1967) 492), Newton's method from above, finds the largest fraction under which all points keep their distance: the nearest
 //! point says how far the step may go, until it is the same point twice. The second-order part of the rotations is left out,
 //! and bounded as between strands.
+//!
+//! Of a body that a node carries the motion of the strand relative to it counts: δr − δc − θ × a from its point c, a = r − c. What a
+//! finite turn of the body adds is of second order: from a + δ, δ = δr − δc, it takes |θ| |θ⊥| (|a| + |δ|)/2 + |θ⊥| |δ| or less, θ⊥ the
+//! part of θ across the body's axis, because turns about the axis move no surface; none of a sphere's does.
 
 use super::{Keep, SegmentMotion};
-use crate::contact::curve::CurveSet;
 use crate::contact::potential::surface::{nearest_in, point_of, relative};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, derivative, eval, roots};
-use crate::math::signed_distance::Surface;
+use crate::math::signed_distance::{Skeleton, Surface};
 use crate::solve::measures::{MAX_ROUNDS, ROUNDING};
+use crate::solve::problem::carried_bodies::BodyMotion;
+use crate::solve::problem::contact_side::ContactSide;
 
 /// By how much a bound may be below φ, over the radius or the present distance, because steps lose as much.
 const LOST: f64 = 0.05;
@@ -27,22 +32,45 @@ const MAX_PARTS: f64 = 64.0;
 
 /// Largest t ≤ 1 for which no point of a strand comes nearer to an obstacle than is to be kept. Strands that are beyond one
 /// already are pushed back, and may move.
-pub(super) fn fraction(set: &CurveSet, surfaces: &[Surface], motions: &[SegmentMotion], keep: Keep) -> f64 {
-    let of_surface =
-        |t: f64, surface: &Surface| (0..set.len()).fold(t, |t, k| of_segment((set, k), surface, &motions[k], keep, t));
-    surfaces.iter().fold(1.0, of_surface)
+pub(super) fn fraction(side: &ContactSide, increment: &[f64], motions: &[SegmentMotion], keep: Keep) -> f64 {
+    let of_surface = |t: f64, index: usize| {
+        let body = BodyMotion::of(side, index, increment);
+        let touching = (0..side.set.len()).filter(|segment| side.can_touch(*segment, index));
+        touching.fold(t, |t, k| of_segment((side, k), (&side.surfaces[index], &body), &motions[k], keep, t))
+    };
+    (0..side.surfaces.len()).fold(1.0, of_surface)
+}
+
+/// The motion of a segment at these places from a body's point, relative to the body.
+fn relative_to_body(motion: &SegmentMotion, (surface, body): (&Surface, &BodyMotion), r: &[Vec3; 4]) -> SegmentMotion {
+    if !surface.carried {
+        return SegmentMotion { ..*motion };
+    }
+    let across = match surface.skeleton {
+        Skeleton::Piece { axis, .. } => body.rotation - axis * axis.dot(&body.rotation),
+        _ => Vec3::zeros(),
+    };
+    let turning = BodyMotion { rotation: across, ..*body };
+    let slid = motion.linear.map(|linear| linear - body.displacement);
+    let [far, fast] = [r, &slid].map(|all| all.iter().map(Vec3::norm).fold(0.0, f64::max));
+    let (turn, across) = (body.rotation.norm(), across.norm());
+    SegmentMotion {
+        linear: std::array::from_fn(|m| motion.linear[m] - turning.at(&r[m])),
+        second_order: motion.second_order + 0.5 * turn * across * (far + fast) + across * fast,
+    }
 }
 
 /// The fraction t, or less if this segment needs it.
 fn of_segment(
-    (set, segment): (&CurveSet, usize),
-    surface: &Surface,
+    (side, segment): (&ContactSide, usize),
+    (surface, body): (&Surface, &BodyMotion),
     motion: &SegmentMotion,
     keep: Keep,
     t: f64,
 ) -> f64 {
-    let r = relative(surface, set, segment);
-    let radius = set.radius_of(segment);
+    let r = relative(surface, &side.set, segment);
+    let radius = side.set.radius_of(segment);
+    let motion = &relative_to_body(motion, (surface, body), &r);
     let fastest = motion.linear.iter().map(Vec3::norm).fold(0.0, f64::max) + motion.second_order;
     // enough where strands are far
     if surface.least_in_hull(&r) - t * fastest >= keep.distance * radius {

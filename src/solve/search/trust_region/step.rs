@@ -3,6 +3,7 @@
 
 use crate::error::SolveError;
 use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::carried_bodies::BodyMotion;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::zero_energy::is_falling;
@@ -168,7 +169,8 @@ fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let lifting = |contact: &crate::contact::potential::surface::SurfaceContact| {
         let surface = &side.surfaces[contact.surface];
         let normal = surface.normal(&(side.set.segments[contact.segment].b[0] - surface.point()));
-        displacement(step, side.nodes[contact.segment][0]).dot(&normal).abs()
+        let body = BodyMotion::of(side, contact.surface, step).displacement;
+        (displacement(step, side.nodes[contact.segment][0]) - body).dot(&normal).abs()
             / (2.0 * side.set.radius_of(contact.segment))
     };
     let turn = residual.surface_contacts.iter().map(lifting).fold(turn, f64::max);

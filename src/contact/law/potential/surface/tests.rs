@@ -19,7 +19,9 @@ fn strand(height: f64, closed: bool) -> CurveSet {
 const FLOOR: Surface = Surface {
     skeleton: Skeleton::Plane { point: Vec3::new(5.0, -3.0, -1.0), normal: Vec3::new(0.0, 0.0, 1.0) },
     level: 1.0,
+    lost: Vec3::new(0.0, 0.0, 0.0),
     sign: 1.0,
+    carried: false,
 };
 const LAW: Law = Law::Linear { stiffness: 7.0 };
 const ALL: Request = Request { zones: true, tangent: true };
@@ -32,7 +34,7 @@ fn a_strand_along_a_plane_has_the_law_per_length() {
         let set = strand(RADIUS - depth, false);
         let offsets = |_: usize, _: usize| [offset; 2];
         let pressures = Pressures::of(LAW, &offsets);
-        let terms = evaluate(&set, &[FLOOR], &pressures, ALL);
+        let terms = evaluate(&set, (&[FLOOR], |_, _| true), &pressures, ALL);
         assert_eq!(terms.len(), 4);
         let overlap = offset + depth;
         let energy: f64 = terms.iter().map(|term| term.energy).sum();
@@ -49,7 +51,7 @@ fn a_strand_along_a_plane_has_the_law_per_length() {
     }
     let offsets = |_: usize, _: usize| [0.0; 2];
     let pressures = Pressures::of(LAW, &offsets);
-    assert!(evaluate(&strand(RADIUS * 1.0001, false), &[FLOOR], &pressures, ALL).is_empty());
+    assert!(evaluate(&strand(RADIUS * 1.0001, false), (&[FLOOR], |_, _| true), &pressures, ALL).is_empty());
 }
 
 /// Between offsets of different size at its ends the reach is linear: the zone ends where it meets the gap.
@@ -58,7 +60,7 @@ fn zones_end_where_the_offset_meets_the_gap() {
     let set = strand(RADIUS + 0.03, false);
     let offsets = |segment: usize, _: usize| if segment == 1 { [0.1, 0.0] } else { [0.0; 2] };
     let pressures = Pressures::of(LAW, &offsets);
-    let terms = evaluate(&set, &[FLOOR], &pressures, ALL);
+    let terms = evaluate(&set, (&[FLOOR], |_, _| true), &pressures, ALL);
     assert_eq!(terms.len(), 1);
     let zone = terms[0].contact.zones[0];
     assert!(zone.u[0] == 0.0 && (zone.u[1] - 0.7).abs() < 1e-12, "{zone:?}");
@@ -130,8 +132,14 @@ fn zones_at_curved_surfaces_are_those_of_many_points() {
     let mut found = 0;
     for k in 0..400 {
         let point = Vec3::zeros();
-        let skeleton = if k % 2 == 0 { Skeleton::Point { point } } else { Skeleton::Line { point, axis } };
-        let surface = Surface { skeleton, level: 0.6 + 0.4 * random(), sign: if k % 4 < 2 { 1.0 } else { -1.0 } };
+        let skeleton = match k % 4 {
+            0 => Skeleton::Point { point },
+            1 => Skeleton::Line { point, axis },
+            2 => Skeleton::Piece { point, axis, length: None },
+            _ => Skeleton::Piece { point, axis, length: Some(0.7) },
+        };
+        let sign = if k / 4 % 2 == 0 { 1.0 } else { -1.0 };
+        let surface = Surface { skeleton, level: 0.6 + 0.4 * random(), lost: Vec3::zeros(), sign, carried: false };
         let r: [Vec3; 4] = std::array::from_fn(|_| Vec3::new(random(), random(), random()) * 1.4);
         let limit = [0.5 * random(), if k % 5 == 0 { 2.0 } else { 0.5 * random() }];
         let zones = where_nearer(&surface, &r, limit);
