@@ -138,6 +138,7 @@ pub fn solver_at(model: Model, stages: &[Stage], options: &Options, restart: Res
     Ok(solver)
 }
 
+#[cfg(feature = "runs")]
 impl Solution {
     /// The restart from the state in which a run of these stages ended, a last one whose path was followed included.
     pub(crate) fn restart(&self, stages: &[Stage]) -> Restart {
