@@ -100,7 +100,7 @@ fn contact_terms(c: &mut Criterion) {
     let law = Law::Linear { stiffness: 100.0 };
     let run = |want| evaluate(&set, black_box(&pairs), law, &|_, _| [0.0; 2], want);
     let total: Vec3 = run(Want::Gradient).iter().flat_map(|t| t.gradient).sum();
-    let pressed: f64 = run(Want::Gradient).iter().flat_map(|t| &t.zones).map(|z| z.half_force).sum();
+    let pressed: f64 = run(Want::Gradient).iter().flat_map(|t| &t.zones).map(|z| z.force).sum();
     assert!(pressed > 1.0 && total.norm() < 1e-9 * pressed);
     c.bench_function("contact terms of 1000 segments, gradient", |b| b.iter(|| run(Want::Gradient)));
     c.bench_function("contact terms of 1000 segments, Hessian", |b| b.iter(|| run(Want::Hessian)));

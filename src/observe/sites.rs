@@ -5,7 +5,7 @@
 //!    that the potential subtracts (farthest points between two nearest ones, see [`zones`](crate::contact::zones)) are taken
 //!    from the zones on both sides of them, so that forces of sites sum to those that the rods feel.
 //! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its
-//!    force is the sum over all its zones, because each view carries half of it.
+//!    force is the sum over all its zones, because each view carries its share of it.
 //! 3. Sites nearer to each other on both strands than the width of the contact law, or in a row of three or more each
 //!    within an element of the next, are fragments of one; a short and weak one beside a strong one is a ripple of it
 //!    (`fragments`).
@@ -50,7 +50,7 @@ struct SiteZone {
     gap: f64,
     /// Crossing angle where the gap is smallest, degrees.
     angle: f64,
-    /// Half of the force on strand a \[F\].
+    /// The share of the force on strand a that its strand integrates \[F\].
     push: Vec3,
     /// Its moment about `at` \[F·L\].
     torque: Vec3,
@@ -225,8 +225,8 @@ fn piece(set: &CurveSet, link: &ChainPiece) -> SiteZone {
         load: load(zone, arc_a),
         gap: zone.min_gap,
         angle: crossing.min(180.0 - crossing),
-        push: zone.half_push,
-        torque: zone.half_torque,
+        push: zone.push,
+        torque: zone.torque,
         at: set.segments[link.segments[0]].b[0],
         feet: [foot_a, foot_b],
     }
@@ -234,7 +234,7 @@ fn piece(set: &CurveSet, link: &ChainPiece) -> SiteZone {
 
 /// The force on the slave side of a piece that spans `arc`.
 fn load(zone: &ZonePiece, arc: [f64; 2]) -> Load {
-    let (force, [first, second]) = (zone.half_force, zone.half_moments);
+    let (force, [first, second]) = (zone.force, zone.moments);
     let u = zone.piece.u;
     if force == 0.0 || u[1] <= u[0] {
         return Load { force, center: 0.5 * (arc[0] + arc[1]), inertia: 0.0 };

@@ -117,7 +117,7 @@ fn parts(side: &ContactSide, residual: &Residual) -> Vec<OneSide> {
     let of_chain = |chain: &Vec<crate::contact::chain::ChainPiece>| OneSide {
         places: chain.iter().map(|piece| pair(piece.segments)).collect(),
         length: chain.iter().map(|piece| piece.arcs[0][1] - piece.arcs[0][0]).sum(),
-        force: chain.iter().map(|piece| piece.zone.half_force).sum(),
+        force: chain.iter().map(|piece| piece.zone.force).sum(),
     };
     let runs = surface_runs(&side.set, &residual.surface_contacts);
     let of_run = |run: &Vec<SurfacePiece>| OneSide {

@@ -52,3 +52,4 @@ mod snaps;
 mod start_shapes;
 mod swivels;
 mod ways;
+mod winding;

@@ -226,6 +226,8 @@ pub struct CurveSet {
     pub curves: Vec<CurveInfo>,
     /// Remainders of the control points of each segment after rounding \[L\]; empty if they are not known.
     pub(crate) remainders: Vec<[Vec3; 4]>,
+    /// Bending stiffness of each curve \[F·L²\]; empty if they count as equal.
+    pub(crate) bending: Vec<f64>,
     owner: Vec<u32>,
     arc_start: Vec<f64>,
     /// Radius of each segment; empty if each curve has one.

@@ -2,10 +2,10 @@
 //! control points of both cubics, and the zones for reports.
 //!
 //! ```text
-//! U = Σ_ordered pairs ½ ∫_zone ± ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
+//! U = Σ_ordered pairs w ∫_zone ± ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
 //! ```
 //!
-//! Each strand integrates over its own length with factor ½; [`zones`](crate::contact::zones) defines the parts with
+//! Each strand integrates over its own length with its share w, ½ for equal strands; [`zones`](crate::contact::zones) defines the parts with
 //! the sign −. With d the distance at the foot, n the unit normal from foot to slave point, w_m the eight Bernstein
 //! weights (minus on the master): δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus
 //! q⊗q/d_vv, the Schur complement of the foot.
@@ -63,12 +63,18 @@ pub(crate) struct ContactGeometry<'a> {
     exclusion: Option<&'a Exclusion>,
     /// Remainders of the control points of each segment after rounding \[L\]; empty if they are not known.
     remainders: &'a [[Vec3; 4]],
+    /// Bending stiffness of each curve \[F·L²\]; empty if they count as equal.
+    bending: &'a [f64],
 }
 
 impl<'a> ContactGeometry<'a> {
     /// The curves of a set.
     pub(crate) fn of_set(set: &'a CurveSet) -> Self {
-        Self { remainders: &set.remainders, ..Self::new(Strands::of_set(set), &set.lengths, None) }
+        Self {
+            remainders: &set.remainders,
+            bending: &set.bending,
+            ..Self::new(Strands::of_set(set), &set.lengths, None)
+        }
     }
 
     /// Curves with the reference lengths of their segments \[L\], and the pairs excluded from the candidates.
@@ -87,7 +93,7 @@ impl<'a> ContactGeometry<'a> {
             };
             kinked = parallel::map(strands.len(), CHEAP, &kink);
         }
-        Self { strands, lengths, capsules, kinked, exclusion, remainders: &[] }
+        Self { strands, lengths, capsules, kinked, exclusion, remainders: &[], bending: &[] }
     }
 }
 
@@ -286,7 +292,16 @@ impl ContactGeometry<'_> {
         } else {
             length
         };
-        PairLaw { pressures, contact_distance, reach, offset, length, straight, span }
+        PairLaw { share: self.share(slave, master), pressures, contact_distance, reach, offset, length, straight, span }
+    }
+
+    /// The share of a pair's contact that is integrated along the slave: its part of both compliances. Along the stiff
+    /// one of a pair the integral loses its second derivative where the soft one winds about it, because the centre of
+    /// curvature of the soft one then lies on the stiff one. Powers of ten, so that equal strands share alike to the
+    /// last bit and derivatives by a stiffness do not see it.
+    fn share(&self, slave: usize, master: usize) -> f64 {
+        let bending = |segment: usize| self.bending.get(self.strands.curve_of(segment)).copied().unwrap_or(1.0);
+        1.0 / (1.0 + 10f64.powf((bending(slave) / bending(master)).log10().round()))
     }
 
     /// The pair as lines, if both are straight and the reach does not vary along the slave.

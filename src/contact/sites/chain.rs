@@ -27,7 +27,7 @@ impl ChainPiece<'_> {
     /// Whether it consists of farthest points, which the potential subtracts, or of a fold of which the farthest points carry
     /// nearly as much as the nearest or more: then little is left of the force, and the resultant is larger than that.
     fn is_subtracted(&self) -> bool {
-        self.zone.piece.branch.is_subtracted() || self.zone.half_push.norm() > 2.0 * self.zone.half_force
+        self.zone.piece.branch.is_subtracted() || self.zone.push.norm() > 2.0 * self.zone.force
     }
 }
 

@@ -70,7 +70,7 @@ impl Solver {
         };
         let strands = chains.iter().map(|chain| Held {
             gap: gap(chain),
-            force: chain.iter().map(|link| link.zone.half_force).sum(),
+            force: chain.iter().map(|link| link.zone.force).sum(),
             places: places(chain),
         });
         let contacts: Vec<Held> = strands.chain(held_by_surfaces(side, residual)).collect();

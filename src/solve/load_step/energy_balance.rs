@@ -193,7 +193,7 @@ fn work_of_contact(engine: &Engine, residual: &Residual, changes: &Changes) -> f
         at(&changes.to).zip(at(&changes.from)).map_or(0.0, |(to, from)| to - from)
     };
     let pairs = residual.contact_pairs.iter().map(|pair| {
-        let force = pair.zones.iter().fold(0.0, |sum, zone| sum + zone.half_force);
+        let force = pair.zones.iter().fold(0.0, |sum, zone| sum + zone.force);
         force * (growth(pair.slave) + growth(pair.master))
     });
     let obstacles = residual.surface_contacts.iter().map(|contact| {

@@ -93,7 +93,7 @@ impl Solver {
             let bending = [term.slave, term.master].map(|segment| rod(segment).section.smaller_bending());
             here.shortest_line = shortest_line(1.0, bending);
             for zone in &term.zones {
-                here.force += zone.half_force;
+                here.force += zone.force;
                 here.length += (zone.piece.u[1] - zone.piece.u[0]) * side.set.lengths[term.slave];
                 here.depth = here.depth.max(offset[0].max(offset[1]) - zone.min_gap);
             }

@@ -286,6 +286,7 @@ fn curves(
         set.set_radii(&touching.iter().flat_map(segments).map(radius).collect::<Vec<f64>>())?;
     }
     set.remainders = vec![[Vec3::zeros(); 4]; set.len()];
+    set.bending = touching.iter().map(|&rod| model.rods[rod].section.smaller_bending()).collect();
     Ok((set, touching.iter().flat_map(segments).map(ends).collect()))
 }
 

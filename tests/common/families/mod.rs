@@ -45,7 +45,7 @@ pub struct Family {
 }
 
 /// All families.
-pub const FAMILIES: [Family; 19] = [
+pub const FAMILIES: [Family; 20] = [
     Family { name: "clamped", make: open::clamped },
     Family { name: "paths", make: open::paths },
     Family { name: "tweezers", make: open::tweezers },
@@ -65,6 +65,7 @@ pub const FAMILIES: [Family; 19] = [
     Family { name: "hanging", make: hanging::hanging },
     Family { name: "along_axes", make: hanging::along_axes },
     Family { name: "obstacles", make: confined::obstacles },
+    Family { name: "gripped_knots", make: open_knots::gripped_knots },
 ];
 
 /// One scene of a family.

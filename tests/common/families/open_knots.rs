@@ -1,4 +1,5 @@
-//! Knots tied into open rods, their ends pinned or clamped, pulled apart; some are turned at one end then.
+//! Knots tied into open rods, their ends pinned or clamped, pulled apart; some are turned at one end then. Ends are
+//! points, or grips that no loop slips over.
 
 use std::f64::consts::{PI, TAU};
 
@@ -45,6 +46,14 @@ fn tight(crossings: f64) -> f64 {
 }
 
 pub fn open_knots(draft: &mut Draft, random: &mut Random) {
+    knots(draft, random, "");
+}
+
+pub fn gripped_knots(draft: &mut Draft, random: &mut Random) {
+    knots(draft, random, "grip = \"endless\"");
+}
+
+fn knots(draft: &mut Draft, random: &mut Random, grip: &str) {
     let crossings = if random.chance(0.75) { 3.0 } else { 5.0 };
     // on shorter tails the loop grows until it slips over an end
     let mut points = scaled(&tied(random.between(0.06, 0.12), crossings, random.between(9.0, 14.0)), false, 1.0);
@@ -72,7 +81,9 @@ pub fn open_knots(draft: &mut Draft, random: &mut Random) {
         _ => ("[\"x\"]", "false"),
     };
     draft.support(ONLY, "\"start\"", "true", start);
+    draft.line(grip);
     draft.support(ONLY, "\"end\"", "true", end);
+    draft.line(grip);
     let slack = 1.0 - between.norm() - tight(crossings) * material.diameter();
     let by = between.normalize() * (slack.max(0.0) * random.between(0.2, 0.95));
     draft.stage(&format!("displacement = {{ at = \"end\", to = {} }}", list(&by)), 4 + random.below(20) as usize);

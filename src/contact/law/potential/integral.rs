@@ -63,9 +63,9 @@ impl PairIntegral<'_> {
         };
         let mut sums = PairSums { term, stiffness };
         for piece in self.pieces {
-            // ½∫p uᵏ ds
+            // w∫p uᵏ ds, w the slave's share
             let mut moments = [0.0; 3];
-            let (mut half_push, mut half_torque) = (Vec3::zeros(), Vec3::zeros());
+            let (mut pushed, mut torque) = (Vec3::zeros(), Vec3::zeros());
             let kind = piece.branch.kind;
             self.pair_law.integrate(piece, |t, guess, weight| {
                 let (projection, rate) = (self.project)(t, guess, &piece.branch);
@@ -84,22 +84,22 @@ impl PairIntegral<'_> {
                 moments[2] += force * projection.u * projection.u;
                 if projection.distance > 0.0 {
                     let push = projection.normal * force;
-                    half_push += push;
-                    half_torque += self.own.point(projection.u).cross(&push);
+                    pushed += push;
+                    torque += self.own.point(projection.u).cross(&push);
                 }
                 if kind == FootKind::Fold { projection.u } else { projection.v }
             });
             if request.zones {
-                let [half_force, first, second] = moments;
+                let [force, first, second] = moments;
                 let min_gap = piece.nearest.distance - self.pair_law.contact_distance;
                 let piece = piece.ascending();
                 sums.term.zones.push(ZonePiece {
                     piece,
                     min_gap,
-                    half_force,
-                    half_moments: [first, second],
-                    half_push,
-                    half_torque,
+                    force,
+                    moments: [first, second],
+                    push: pushed,
+                    torque,
                 });
             }
         }
@@ -118,7 +118,7 @@ struct PairSums<'a, 'b> {
 }
 
 impl PairLaw<'_> {
-    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature ½∫dt of a piece with the
+    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature w∫dt, w the slave's share, of a piece with the
     /// parameter t. `add` returns the other parameter. Long pieces are divided into parts shorter than the contact
     /// distance. Guesses interpolate between the ends of the piece and the parameters returned.
     fn integrate(&self, piece: &BranchPiece, mut add: impl FnMut(f64, f64, f64) -> f64) {
@@ -136,7 +136,7 @@ impl PairLaw<'_> {
             let mut known = Interpolation::<{ POINTS_PER_PART + 2 }>::between(last, [t[1], other[1]]);
             for (&x, &w) in rule.points.iter().zip(rule.weights) {
                 let t = t[0] + width * (part as f64 + x) / parts;
-                let other = add(t, known.at(t), 0.5 * w * width * self.length / parts);
+                let other = add(t, known.at(t), self.share * w * width * self.length / parts);
                 known.add(t, other);
                 last = [t, other];
             }

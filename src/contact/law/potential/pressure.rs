@@ -40,6 +40,8 @@ impl<'a> Pressures<'a> {
 pub(super) struct PairLaw<'a> {
     pub(super) pressures: &'a Pressures<'a>,
     pub(super) contact_distance: f64,
+    /// Share of the pair's contact that is integrated along the slave, between 0 and 1.
+    pub(super) share: f64,
     /// Reference length of the slave \[L\].
     pub(super) length: f64,
     /// Distance at which the pressure ends, at both ends of the slave: contact distance + offset \[L\].

@@ -139,7 +139,7 @@ pub(crate) fn term(
     }
     let length = set.lengths[segment];
     let offset = (pressures.offset)(segment, surface);
-    let law = PairLaw { pressures, contact_distance, length, reach, offset, straight: false, span: length };
+    let law = PairLaw { pressures, contact_distance, share: 1.0, length, reach, offset, straight: false, span: length };
     let mut sum = SurfaceSum::default();
     let mut zones = Vec::new();
     for u in intervals {

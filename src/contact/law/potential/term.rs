@@ -12,15 +12,15 @@ pub struct ZonePiece {
     pub(crate) piece: BranchPiece,
     /// Smallest gap inside \[L\].
     pub min_gap: f64,
-    /// ½∫p ds \[F\]: this strand's half of the contact force; negative where it is subtracted.
-    pub half_force: f64,
-    /// ½∫p u ds and ½∫p u² ds \[F\], u the slave parameter: first and second moment of the force.
-    pub half_moments: [f64; 2],
-    /// ½∫p n ds \[F\], n from the foot to the slave: this strand's half of the force on the slave.
-    pub half_push: Vec3,
-    /// ½∫p (x − x₀) × n ds \[F·L\], x on the slave, x₀ the start of its segment: this strand's half of the moment of the force on
+    /// w∫p ds \[F\], w the slave's share of the pair's contact: its part of the contact force; negative where it is subtracted.
+    pub force: f64,
+    /// w∫p u ds and w∫p u² ds \[F\], u the slave parameter: first and second moment of the force.
+    pub moments: [f64; 2],
+    /// w∫p n ds \[F\], n from the foot to the slave: its part of the force on the slave.
+    pub push: Vec3,
+    /// w∫p (x − x₀) × n ds \[F·L\], x on the slave, x₀ the start of its segment: its part of the moment of the force on
     /// the slave. The force on the master acts along the same lines.
-    pub half_torque: Vec3,
+    pub torque: Vec3,
 }
 
 impl ZonePiece {

@@ -30,6 +30,7 @@ fn term(a: &Cubic, b: &Cubic, open_end: bool, reach: [f64; 2]) -> PairTerm {
     let pair_law = PairLaw {
         pressures: &pressures,
         contact_distance: 0.05,
+        share: 0.5,
         length: 1.3,
         reach,
         offset: [0.0; 2],
@@ -394,6 +395,7 @@ fn a_new_law_is_linearised_about_the_old_pressure() {
         let pair_law = PairLaw {
             pressures: &pressures,
             contact_distance,
+            share: 0.5,
             length: 1.0,
             reach,
             offset: new,
