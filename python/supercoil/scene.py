@@ -733,7 +733,7 @@ class Result:
     def _repr_html_(self) -> str:
         page = html.escape(self.page())
         frame = f'<iframe srcdoc="{page}" style="width: 100%; height: 480px; border: 0"></iframe>'
-        return f"<p>{html.escape(repr(self))}</p>{frame}{self.state._energies_html()}"
+        return f"<p>{html.escape(repr(self))}</p>{frame}{self.state._energies_html(self.units['total_energy'])}"
 
     def __repr__(self) -> str:
         return f"<Result: {self.status} after {len(self.steps) - 1} steps, {self.seconds:.2f} s>"

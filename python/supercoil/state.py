@@ -328,9 +328,9 @@ class State:
             self.save_picture(path, 600, 450)
             return path.read_bytes()
 
-    def _energies_html(self) -> str:
+    def _energies_html(self, unit: str = "F·L") -> str:
         energies = "".join(f"<tr><td>{kind}</td><td>{value:.6g}</td></tr>" for kind, value in self.energies.items())
-        return f"<table><tr><th>energy</th><th>F·L</th></tr>{energies}</table>"
+        return f"<table><tr><th>energy</th><th>{html.escape(unit)}</th></tr>{energies}</table>"
 
     def _repr_html_(self) -> str:
         picture = base64.b64encode(self._repr_png_()).decode()

@@ -228,6 +228,7 @@ def test_a_picture_is_a_png_of_the_size_asked_for(result: Result, tmp_path: Path
 def test_results_show_themselves_in_notebooks(result: Result) -> None:
     shown = result._repr_html_()
     assert "<iframe srcdoc=" in shown and "&lt;Result: converged" in shown and "<td>twisting</td>" in shown
+    assert "<th>F L</th>" in shown and "<th>pN nm</th>" in Scene.minicircle(elements=12, steps=1).run()._repr_html_()
     assert "data:image/png;base64," in result.state._repr_html_()
     axes = result.plot("excess_link", "writhe")
     assert list(axes.lines[0].get_ydata()) == list(result.table["writhe"]) and axes.get_ylabel() == "writhe [turns]"
