@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use pyo3::prelude::*;
 use supercoil::io::csv::Cell;
-use supercoil::io::run::{Accepted, options, run_observed};
+use supercoil::io::run::{ReportedState, options, run_observed};
 use supercoil::io::table::Columns;
 use supercoil::observe::report::Observation;
 use supercoil::observe::{ending, estimate_error};
@@ -101,8 +101,8 @@ impl Scene {
         let scene = &self.0;
         let work = move |states: Sender<State>| {
             let mut steps: Vec<Observation> = Vec::new();
-            let solution = run_observed(scene, &options, (None, &[]), &mut |accepted: Accepted| {
-                let Accepted { observation, engine, .. } = accepted;
+            let solution = run_observed(scene, &options, (None, &[]), &mut |reported: ReportedState| {
+                let ReportedState { observation, engine, .. } = reported;
                 steps.push(observation.clone());
                 if !watched {
                     return ControlFlow::Continue(());

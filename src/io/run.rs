@@ -22,7 +22,7 @@ use super::fingerprint::Fingerprint;
 use super::folder;
 use super::record::{FINAL_STATE_BITS, Record, RecordState, RodSnapshot};
 
-pub use observed::{Accepted, run_observed};
+pub use observed::{ReportedState, run_observed};
 
 /// Result of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,7 @@ pub use observed::{Accepted, run_observed};
 pub struct Outcome {
     /// How the run ended.
     pub status: Status,
-    /// Accepted steps, the start and those before a resumption included, each with its strongest contact sites only.
+    /// ReportedState steps, the start and those before a resumption included, each with its strongest contact sites only.
     pub steps: Vec<Observation>,
     /// Wall time of all parts of the run \[s\].
     pub seconds: f64,
@@ -175,9 +175,9 @@ impl SceneRun {
         let mut keeper = Keeper::new(&self, record, from.clone(), (seconds_before, asked));
         let mut failed: Option<InputError> = None;
         let before = keeper.record.steps().to_vec();
-        let result = run_observed(&self.scene, &options, (from, &before), &mut |accepted: Accepted| {
-            let seen = watch(&accepted.observation);
-            match keeper.take_in(accepted) {
+        let result = run_observed(&self.scene, &options, (from, &before), &mut |reported: ReportedState| {
+            let seen = watch(&reported.observation);
+            match keeper.take_in(reported) {
                 Ok(()) => seen,
                 Err(error) => {
                     failed = Some(error);
@@ -240,7 +240,7 @@ impl Keeper {
         }
     }
 
-    fn take_in(&mut self, Accepted { observation, engine, waypoint }: Accepted) -> Result<(), InputError> {
+    fn take_in(&mut self, ReportedState { observation, engine, waypoint }: ReportedState) -> Result<(), InputError> {
         self.record.push(observation, snapshots(engine))?;
         // no checkpoint is written along a path: a resumed run follows it from its beginning
         self.latest = waypoint.and_then(Waypoint::restart);

@@ -13,7 +13,7 @@ use crate::solve::{
 
 /// An accepted state of the run of a scene.
 #[derive(Debug)]
-pub struct Accepted<'a> {
+pub struct ReportedState<'a> {
     /// Its report, with all notes.
     pub observation: Observation,
     /// The problem in this state.
@@ -31,13 +31,13 @@ pub fn run_observed(
     scene: &Scene,
     options: &Options,
     (from, before): (Option<Restart>, &[Observation]),
-    see: &mut dyn FnMut(Accepted) -> ControlFlow<()>,
+    see: &mut dyn FnMut(ReportedState) -> ControlFlow<()>,
 ) -> Result<Solution, RunError> {
     let path = scene.stages.last().and_then(|last| {
         Some(FollowedStage { index: scene.stages.len() - 1, choice: scene.follow?, ramp: last.ramps.first()? })
     });
     let stepped = path.as_ref().map_or(&scene.stages[..], |path| &scene.stages[..path.index]);
-    let mut reporter = Reporter {
+    let mut reporter = StateReporter {
         scene,
         links: EndLinks::new(&scene.model, &scene.stages),
         first: before.first().cloned(),
@@ -45,7 +45,7 @@ pub fn run_observed(
     };
     let mut solution = solve::run_from(scene.model.clone(), stepped, options, from, &mut |progress, waypoint| {
         let observation = reporter.report(observe(progress), None);
-        see(Accepted { observation, engine: progress.engine, waypoint: Some(waypoint) })
+        see(ReportedState { observation, engine: progress.engine, waypoint: Some(waypoint) })
     })?;
     if let Some(path) = path.filter(|_| solution.status == Status::Converged) {
         path.follow(&mut solution, &mut reporter, see)?;
@@ -65,8 +65,8 @@ impl FollowedStage<'_> {
     fn follow(
         &self,
         solution: &mut Solution,
-        reporter: &mut Reporter,
-        see: &mut dyn FnMut(Accepted) -> ControlFlow<()>,
+        reporter: &mut StateReporter,
+        see: &mut dyn FnMut(ReportedState) -> ControlFlow<()>,
     ) -> Result<(), RunError> {
         let Self { index, choice, ramp } = self;
         let before = reporter.num_steps;
@@ -93,7 +93,7 @@ impl FollowedStage<'_> {
             let progress = Progress { given: Some(&given), stage: *index, ..point.progress };
             let observation = Observation { step: reporter.num_steps, ..observe(&progress) };
             let observation = reporter.report(observation, kind_in_words(point));
-            see(Accepted { observation, engine: point.engine(), waypoint: None })
+            see(ReportedState { observation, engine: point.engine(), waypoint: None })
         })?;
         solution.status = match report.end {
             PathEnd::Target | PathEnd::MaxPoints => Status::Converged,
@@ -107,7 +107,7 @@ impl FollowedStage<'_> {
 }
 
 /// Adds the notes that need more than one state.
-struct Reporter<'a> {
+struct StateReporter<'a> {
     scene: &'a Scene,
     links: EndLinks,
     /// Of the start.
@@ -115,7 +115,7 @@ struct Reporter<'a> {
     num_steps: usize,
 }
 
-impl Reporter<'_> {
+impl StateReporter<'_> {
     fn report(&mut self, mut now: Observation, kind: Option<String>) -> Observation {
         let notes = self.links.notes(&now, self.first.as_ref());
         now.notes.extend(notes);

@@ -10,7 +10,7 @@ use crate::scene::file::value_of;
 use crate::solve::{self, Interrupt, RunError, Status};
 
 use super::super::csv::Cell;
-use super::super::run::{Accepted, options, run_observed};
+use super::super::run::{ReportedState, options, run_observed};
 use super::super::table::Columns;
 use super::columns::SweepTable;
 use super::file::Rows;
@@ -76,7 +76,7 @@ impl Plan {
         let mut options = options(&scene);
         options.newton.interrupt = interrupt.clone();
         options.threads = Some(1);
-        run_observed(&scene, &options, (None, &[]), &mut |Accepted { observation, .. }| {
+        run_observed(&scene, &options, (None, &[]), &mut |ReportedState { observation, .. }| {
             // sites have no columns
             steps.push(Observation { sites: Vec::new(), ..observation });
             ControlFlow::Continue(())
