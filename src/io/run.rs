@@ -30,7 +30,7 @@ pub use observed::{ReportedState, run_observed};
 pub struct Outcome {
     /// How the run ended.
     pub status: Status,
-    /// ReportedState steps, the start and those before a resumption included, each with its strongest contact sites only.
+    /// Accepted steps, the start and those before a resumption included, each with its strongest contact sites only.
     pub steps: Vec<Observation>,
     /// Wall time of all parts of the run \[s\].
     pub seconds: f64,
