@@ -5,7 +5,7 @@ knot that jams in another shape does not. What counts is the tightest state that
 lengths are over the radius; half of that is the ropelength here.
 
     pip install database-knotinfo
-    python ideal_knots.py [NAME ...]        # by default all of three to eight crossings: about an hour
+    python ideal_knots.py [NAME ...]        # by default all of three to eight crossings: an hour or two
 """
 
 import sys

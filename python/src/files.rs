@@ -69,7 +69,7 @@ pub fn write_files(
     states: Vec<PyRef<State>>,
     dir: PathBuf,
     converged: bool,
-    status: &str,
+    outcome: (String, Option<String>),
     seconds: f64,
     for_page: bool,
 ) -> PyResult<()> {
@@ -84,7 +84,9 @@ pub fn write_files(
         for state in &states {
             record.push(state.observation.clone(), state.snapshots())?;
         }
-        record.finish(converged, status, seconds)
+        let (status, failure) = outcome;
+        record.set_failure(failure);
+        record.finish(converged, &status, seconds)
     });
     written.map_err(refuse::input)
 }

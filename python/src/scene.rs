@@ -7,12 +7,12 @@ use std::time::Instant;
 
 use pyo3::prelude::*;
 use supercoil::io::csv::Cell;
-use supercoil::io::run::options;
+use supercoil::io::run::{ReportedState, options, run_observed};
 use supercoil::io::table::Columns;
 use supercoil::observe::report::Observation;
-use supercoil::observe::{EndLinks, ending, observe};
+use supercoil::observe::{ending, estimate_error};
 use supercoil::scene;
-use supercoil::solve::{Progress, Waypoint, run_from};
+use supercoil::solve::Status;
 
 use crate::refuse;
 use crate::state::State;
@@ -22,8 +22,8 @@ use crate::supervise::supervised;
 #[pyclass(frozen, module = "supercoil._supercoil")]
 pub struct Scene(pub scene::Scene);
 
-/// Final state, observations of all steps as JSON, status, failure, wall time [s].
-type Run = (State, String, String, Option<String>, f64);
+/// Final state, observations of all steps as JSON, status, failure, estimate of the error as JSON, wall time [s].
+type Run = (State, String, String, Option<String>, Option<String>, f64);
 
 #[pymethods]
 impl Scene {
@@ -101,25 +101,23 @@ impl Scene {
         let scene = &self.0;
         let work = move |states: Sender<State>| {
             let mut steps: Vec<Observation> = Vec::new();
-            let links = EndLinks::new(&scene.model, &scene.stages);
-            let mut observer = |progress: &Progress, _: &Waypoint| {
-                let mut observation = observe(progress);
-                let notes = links.notes(&observation, steps.first());
-                observation.notes.extend(notes);
+            let solution = run_observed(scene, &options, (None, &[]), &mut |reported: ReportedState| {
+                let ReportedState { observation, engine, .. } = reported;
                 steps.push(observation.clone());
                 if !watched {
                     return ControlFlow::Continue(());
                 }
-                let sent = states.send(State::of(progress.engine, observation, scene));
+                let sent = states.send(State::of(engine, observation, scene));
                 // either channel closes when the caller has gone away
                 let go_on = sent.is_ok() && verdicts.recv().unwrap_or(false);
                 if go_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-            };
-            let solution = run_from(scene.model.clone(), &scene.stages, &options, None, &mut observer)?;
+            })?;
             // the start state is seen whatever becomes of it
             let last = steps.last().cloned().map(|last| State::of(solution.solver.engine(), last, scene));
             let status = ending(solution.status, steps.last());
-            Ok((last, steps, status, solution.failure))
+            let estimates = scene.output.error_estimate && solution.status == Status::Converged;
+            let estimate = estimates.then(|| estimate_error(&solution.solver)).transpose()?;
+            Ok((last, steps, status, solution.failure, estimate))
         };
         let answer = |state: State| {
             let go_on = Python::attach(|py| {
@@ -131,9 +129,12 @@ impl Scene {
             verdict.send(*go_on.as_ref().unwrap_or(&false)).ok();
             go_on.map(|_| ())
         };
-        let (last, steps, status, failure) = supervised(py, &interrupt, work, answer)?.map_err(refuse::run)?;
+        let (last, steps, status, failure, estimate) =
+            supervised(py, &interrupt, work, answer)?.map_err(refuse::run)?;
         let last = last.ok_or_else(|| refuse::damaged("run", "no state was seen"))?;
-        let steps = serde_json::to_string(&steps).map_err(|e| refuse::damaged("run", e))?;
-        Ok((last, steps, status, failure.map(|f| f.to_string()), started.elapsed().as_secs_f64()))
+        let damaged = |e| refuse::damaged("run", e);
+        let steps = serde_json::to_string(&steps).map_err(damaged)?;
+        let estimate = estimate.map(|estimate| serde_json::to_string(&estimate)).transpose().map_err(damaged)?;
+        Ok((last, steps, status, failure.map(|f| f.to_string()), estimate, started.elapsed().as_secs_f64()))
     }
 }

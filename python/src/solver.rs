@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use supercoil::io::run::options;
 use supercoil::observe::observe;
 use supercoil::scene;
-use supercoil::solve::{self, FollowOptions, Interrupt, PathPoint, PointKind, Progress, StepReport};
+use supercoil::solve::{self, FollowOptions, Interrupt, PathPoint, PointKind, Progress, Start, StepReport};
 
 use crate::refuse;
 use crate::scene::Scene;
@@ -95,13 +95,23 @@ impl Solver {
         &self,
         py: Python,
         text: &str,
+        start: &str,
         steps: (f64, f64),
         max_points: usize,
     ) -> PyResult<(String, Vec<(&'static str, f64, usize, State)>)> {
         let stages = self.scene.stages_from_toml(text).map_err(refuse::input)?;
         let ramp = stages.into_iter().flat_map(|stage| stage.ramps).next();
         let ramp = ramp.ok_or_else(|| refuse::damaged("follow", "has no ramp"))?;
-        let options = FollowOptions { step: steps.0, max_step: steps.1, max_points, ..FollowOptions::default() };
+        let start = match start {
+            "towards" => Start::Towards,
+            "away" => Start::Away,
+            "branch" => Start::Branch { forwards: true },
+            "other-branch" => Start::Branch { forwards: false },
+            _ => {
+                return Err(refuse::damaged("start", "is none of \"towards\", \"away\", \"branch\", \"other-branch\""));
+            }
+        };
+        let options = FollowOptions { start, step: steps.0, max_step: steps.1, max_points, ..FollowOptions::default() };
         if self.lock()?.report.is_none() {
             self.step_to(py, None)?;
         }

@@ -90,7 +90,12 @@ impl State {
 
     fn thermal_energy(&self, given: Option<f64>) -> PyResult<f64> {
         let known = given.or(self.problem()?.thermal_energy);
-        known.ok_or_else(|| refuse::damaged("kT", "is not known, because units are not nm and pN: give it"))
+        let known =
+            known.ok_or_else(|| refuse::damaged("kT", "is not known, because units are not nm and pN: give it"))?;
+        match known > 0.0 && known.is_finite() {
+            true => Ok(known),
+            false => Err(refuse::damaged(&format!("kT = {known}"), "must be a finite number greater than 0")),
+        }
     }
 
     /// What the tangent says; contact by default as a derivative under the law in force takes it.
@@ -106,7 +111,12 @@ impl State {
             Some("law") => ContactResponse::ByLaw,
             Some("locked") => ContactResponse::Locked,
             Some("free") => ContactResponse::Free,
-            Some(_) => return Err(refuse::damaged("contacts", "is none of \"law\", \"locked\", \"free\"")),
+            Some(other) => {
+                return Err(refuse::damaged(
+                    &format!("contacts = '{other}'"),
+                    "must be one of 'law', 'locked', 'free'",
+                ));
+            }
         };
         let ask = || {
             let mut solver = equilibrium.solver(Options::default())?;

@@ -12,7 +12,7 @@ from .state import Floats, State
 
 
 class Equilibria:
-    """q(p): m observables of the equilibria that ``run`` finds for n parameters.
+    """Observables as a function of parameters, q(p): m of the equilibria that ``run`` finds for n parameters.
 
     ``run`` takes (n,) values and returns a :class:`State`; ``of`` and ``to`` name the observables and the parameters that
     the values stand for, as in :meth:`State.gradient`. A parameter that ``run`` sets in several places is not one name:
@@ -29,7 +29,10 @@ class Equilibria:
         return self.with_jacobian(values)[0]
 
     def with_jacobian(self, values: ArrayLike) -> tuple[Floats, Floats]:
-        """(m,) observables and (m, n) derivatives."""
+        """(m,) observables [each in its unit] and (m, n) derivatives for the parameters' (n,) ``values``.
+
+        Raises :class:`InputError` for names that are not those of :meth:`State.gradient`, and whatever ``run`` raises.
+        """
         state = self._run(np.array(values, dtype=np.float64))
         return state.values_and_gradients(self._of, self._to)
 
@@ -70,8 +73,7 @@ class Equilibria:
 
             return jax.pure_callback(found, shapes, values)
 
-        @jax.custom_vjp
-        def function(values: Any) -> Any:
+        def value(values: Any) -> Any:
             return both(values)[0]
 
         def forward(values: Any) -> Any:
@@ -80,6 +82,7 @@ class Equilibria:
         def backward(jacobian: Any, weights: Any) -> Any:
             return (jnp.matmul(weights, jacobian),)
 
+        function: Any = jax.custom_vjp(value)
         function.defvjp(forward, backward)
         result: Callable[[Any], Any] = function
         return result

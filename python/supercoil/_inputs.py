@@ -11,20 +11,22 @@ import json
 import operator
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _supercoil
 from .errors import InputError
 
 Table = dict[str, Any]
 
-#: Keys that name a file: an array or a table may stand in its place.
-_FILES = ("file", "table", "fasta", "steps", "proteins")
+#: Keys that name a file, and what may stand in its place.
+_ARRAY, _TABLE = "an array", "a dict of columns, a data frame or an array with named columns"
+_FILES = {"file": _ARRAY, "table": _TABLE, "steps": _TABLE, "proteins": _TABLE, "fasta": None}
 
 
 @cache
@@ -50,19 +52,24 @@ class Given:
 class Inputs:
     """Plain values for TOML, and the files that stand for arrays in them."""
 
-    def __init__(self) -> None:
+    def __init__(self, rods: Sequence[str] = ()) -> None:
+        #: Names of the rods, by which errors call them.
+        self.rods = rods
         #: Contents by name.
         self.files: dict[str, bytes] = {}
         #: The argument that each file stands for.
         self.arguments: dict[str, str] = {}
 
     def in_arguments(self, said: str) -> str:
-        """An error about a file that stands for an argument, as one about the argument: rows for lines below the head."""
+        """An error about a rod by its name or a file that stands for an argument, as one about the argument: rows for lines below
+        the head."""
+        for k, name in enumerate(self.rods):
+            said = re.sub(rf"\brods\.{re.escape(name)}(?=[.:,]|$)", f"rods[{k}]", said)
         for file, argument in self.arguments.items():
             said = re.sub(rf"{re.escape(file)}: line 1: ", f"{argument}: ", said)
             said = re.sub(rf"{re.escape(file)}: line (\d+)", lambda line: f"{argument}: row {int(line[1]) - 2}", said)
             said = said.replace(file, argument)
-        return said
+        return re.sub(r"^(rods\[\d+\]): (?=\1)", "", said)
 
     def plain(self, value: Any, where: str = "") -> Any:
         """The value as TOML knows it; keys that are None are left out, arrays where a file is taken become one."""
@@ -86,24 +93,29 @@ class Inputs:
     def _entry(self, key: str, value: Any, where: str) -> Any:
         if isinstance(value, Given):
             return self._array(value.array, f"{where.rsplit('.', 2)[0]}.{value.argument}")
-        if key in _FILES and isinstance(value, np.ndarray):
-            return self._array(value, where)
-        if key in _FILES and (isinstance(value, Mapping) or hasattr(value, "columns")):
+        if key not in _FILES or isinstance(value, (int, float)):
+            return self.plain(value, where)
+        if isinstance(value, (str, os.PathLike)):
+            if os.path.exists(value):
+                return os.path.abspath(value)
+            # a word
+            if key == "steps":
+                return os.fspath(value)
+            raise InputError(f"{where} = {os.fspath(value)!r}: there is no such file")
+        if hasattr(value, "_nodes"):
+            return self._csv(value._nodes(), where)
+        names = getattr(getattr(value, "dtype", None), "names", None)
+        if names and _FILES[key]:
+            return self._csv({name: value[name] for name in names}, where)
+        if (isinstance(value, Mapping) or hasattr(value, "columns")) and _FILES[key]:
             return self._csv(value, where)
-        if key in _FILES and isinstance(value, (str, os.PathLike)) and "/" not in os.fspath(value):
-            # a word, or a file beside the caller
-            return os.path.abspath(value) if os.path.isfile(value) else os.fspath(value)
-        if key in _FILES and isinstance(value, (str, os.PathLike)):
-            return os.path.abspath(value)
-        if key in _FILES and isinstance(value, (list, tuple)) and value and not isinstance(value[0], (Mapping, str)):
-            return self._array(np.asarray(value, dtype=float), where)
-        return self.plain(value, where)
+        if _FILES[key] != _ARRAY:
+            wanted = " or ".join(filter(None, ["the path of a file", _FILES[key]]))
+            raise InputError(f"{where}: must be {wanted}, found {type(value).__name__}")
+        return self._array(np.asarray(value), where)
 
     def _array(self, array: np.ndarray[Any, Any], where: str) -> str:
-        try:
-            array = np.ascontiguousarray(array, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{where}: an array of numbers expected, found dtype {array.dtype}") from error
+        array = np.ascontiguousarray(numbers(where, array))
         if array.shape[1:] not in ((3,), (4, 3)):
             raise InputError(f"{where}: has shape {array.shape}: must be (n, 3), points, or (n, 4, 3), frames")
         bad = np.argwhere(~np.isfinite(array))
@@ -131,6 +143,20 @@ class Inputs:
         name = f"{stem.strip('_')}.{ending}"
         self.files[name], self.arguments[name] = content, where
         return name
+
+
+def check_count(argument: str, value: object, least: int = 1) -> None:
+    """Refuses what is not a whole number of at least ``least``."""
+    plain = value.item() if isinstance(value, np.generic) else value
+    check(plain, {"type": "integer", "minimum": least}, argument)
+
+
+def numbers(argument: str, value: ArrayLike) -> NDArray[np.float64]:
+    """An array of numbers; refuses what is none."""
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{argument}: must be an array of numbers: {error}") from error
 
 
 def check(value: Any, rule: Table, where: str) -> None:

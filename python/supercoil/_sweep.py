@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _supercoil
-from .errors import InputError
+from ._inputs import check_count
 
 Folder = str | os.PathLike[str]
 
@@ -65,6 +65,8 @@ class SweepPlan:
 
         Raises :class:`InputError` for a case that is not there.
         """
+        for k, index in enumerate(indices):
+            check_count(f"indices[{k}]", index, 0)
         return self._of(self._native.only(list(indices)))
 
     def __len__(self) -> int:
@@ -135,8 +137,8 @@ def sweep(
     if not isinstance(plan, SweepPlan):
         plan = SweepPlan(plan)
     for name, value in (("jobs", jobs), ("batch", batch)):
-        if value is not None and value < 1:
-            raise InputError(f"{name} = {value}: must be at least 1")
+        if value is not None:
+            check_count(name, value)
     if directory is None and client is None:
         with tempfile.TemporaryDirectory() as folder:
             return sweep(plan, directory=folder, jobs=jobs)

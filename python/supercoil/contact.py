@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _supercoil
+from ._inputs import numbers
 
 __all__ = ["Curve", "detect", "link", "writhe"]
 
@@ -24,8 +25,13 @@ class Curve:
     closed: bool = False
 
 
-def _points(points: ArrayLike) -> NDArray[np.float64]:
-    return np.ascontiguousarray(np.atleast_2d(np.asarray(points, dtype=np.float64)))
+def _points(argument: str, points: ArrayLike) -> NDArray[np.float64]:
+    return np.ascontiguousarray(np.atleast_2d(numbers(argument, points)))
+
+
+def _curve(k: int, curve: Curve) -> tuple[NDArray[np.float64], list[float], bool]:
+    radii = np.atleast_1d(numbers(f"curves[{k}].radius", curve.radius)).tolist()
+    return _points(f"curves[{k}].points", curve.points), radii, curve.closed
 
 
 def detect(curves: Sequence[Curve], range: float = 0.0) -> dict[str, NDArray[Any]]:
@@ -36,8 +42,7 @@ def detect(curves: Sequence[Curve], range: float = 0.0) -> dict[str, NDArray[Any
     (c,) [L], the same with ``_b``, ``gap`` (c,) [L], ``angle`` (c,) between the tangents, rad, ``normal`` (c, 3) from a
     to b. Raises :class:`supercoil.InputError`.
     """
-    native = [(_points(c.points), np.atleast_1d(np.asarray(c.radius, dtype=float)).tolist(), c.closed) for c in curves]
-    return _supercoil.detect(native, range)
+    return _supercoil.detect([_curve(k, curve) for k, curve in enumerate(curves)], range)
 
 
 def link(a: ArrayLike, b: ArrayLike) -> float:
@@ -46,7 +51,7 @@ def link(a: ArrayLike, b: ArrayLike) -> float:
     Raises :class:`supercoil.InputError` for points that are not finite, which it names. Where polygons cross each other the
     number is the mean of those beside the crossing.
     """
-    return _supercoil.linking_number(_points(a), _points(b))
+    return _supercoil.linking_number(_points("a", a), _points("b", b))
 
 
 def writhe(points: ArrayLike, closed: bool = True) -> float:
@@ -54,4 +59,4 @@ def writhe(points: ArrayLike, closed: bool = True) -> float:
 
     Raises :class:`supercoil.InputError` for points that are not finite.
     """
-    return _supercoil.writhe(_points(points), closed)
+    return _supercoil.writhe(_points("points", points), closed)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._inputs import numbers
 from .errors import InputError
 
 __all__ = ["cgna", "steps"]
@@ -28,11 +29,11 @@ def steps(means: ArrayLike, stiffness: ArrayLike) -> dict[str, Floats]:
 
     Raises :class:`supercoil.InputError` for other shapes and numbers that are not finite.
     """
-    of_means = np.asarray(means, dtype=float)
+    of_means = numbers("means", means)
     if of_means.ndim != 2 or of_means.shape[1] != 6:
         raise InputError(f"means: has shape {of_means.shape}: must be (n, 6)")
     count = len(of_means)
-    constants = np.asarray(stiffness, dtype=float)
+    constants = numbers("stiffness", stiffness)
     if constants.shape not in ((6, 6), (count, 6, 6)):
         raise InputError(f"stiffness: has shape {constants.shape}: must be (6, 6) or ({count}, 6, 6)")
     for name, array in (("means", of_means), ("stiffness", constants)):
@@ -62,7 +63,7 @@ def cgna(shape: ArrayLike, stiffness: Any, phosphates: bool = True) -> dict[str,
 
     Raises :class:`supercoil.InputError` for other shapes, and for a matrix that is not positive definite.
     """
-    ground = np.asarray(shape, dtype=float).ravel()
+    ground = numbers("shape", shape).ravel()
     period = 24 if phosphates else 12
     size = len(ground)
     left = size % period

@@ -7,10 +7,12 @@ import itertools
 import json
 import os
 import pickle
+import re
 import sys
 import tempfile
 import webbrowser
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal
@@ -20,7 +22,7 @@ import tomli_w
 from numpy.typing import ArrayLike, NDArray
 
 from . import _supercoil
-from ._inputs import Given, Inputs, Table, check, ramp_keys, schema
+from ._inputs import Given, Inputs, Table, check, check_count, ramp_keys, schema
 from .errors import InputError
 from .state import Floats, State
 
@@ -44,7 +46,7 @@ class Rod:
     Wherever a scene file names a file, an array or a table may stand: ``points`` (n, 3) [L] or ``frames`` (n, 4, 3) [nm:
     origin, d1, d2, d3] in place of ``shape`` (or as its ``"file"``); a dict of columns or a data frame as ``{"table": …}`` of
     ``natural`` (columns ``s`` or ``from``, ``to``; ``gamma1`` … ``kappa3``) and ``section``, and as ``"steps"`` and
-    ``"proteins"`` of ``sequence``.
+    ``"proteins"`` of ``sequence``. A :class:`State` stands for a file in ``shape={"kind": "state", "file": state}``.
 
     Raises :class:`InputError` when the scene is made: the text has the argument, its value and what is allowed.
     """
@@ -151,6 +153,11 @@ class Obstacle:
     name: str | None = None
 
 
+def _list(given: Any) -> list[Any]:
+    """One or several as a list."""
+    return list(given) if isinstance(given, Iterable) and not isinstance(given, (Mapping, str)) else [given]
+
+
 @dataclass(kw_only=True)
 class Stage:
     """What moves, in so many ``steps``. All targets are absolute and all ramps of a stage move together.
@@ -197,21 +204,22 @@ class Stage:
         for key in ("hold", "release"):
             supports = getattr(self, key)
             if supports is not None:
-                table[key] = [supports] if isinstance(supports, Support) else list(supports)
+                table[key] = _list(supports)
         if self.follow is not None and self.follow is not False:
             table["follow"] = {} if self.follow is True else self.follow
         return table
 
 
 def _check_threads(threads: int | None) -> None:
-    if threads is not None and threads < 1:
-        raise InputError(f"threads = {threads}: must be at least 1")
+    if threads is not None:
+        check_count("threads", threads)
 
 
 class Scene:
     """A problem, its stages and its solver's choices; checked when it is made.
 
-    Every key is explained with the scene files; keyword arguments here have the same names.
+    Every key is explained with the scene files; keyword arguments here have the same names. Of what there may be several,
+    one alone needs no list.
     """
 
     def __init__(
@@ -219,12 +227,12 @@ class Scene:
         rods: Rod | Sequence[Rod],
         *,
         stages: Stage | Sequence[Stage] = (),
-        supports: Sequence[Support] = (),
+        supports: Support | Sequence[Support] = (),
         joints: Sequence[Table] = (),
-        loads: Sequence[Load] = (),
-        line_loads: Sequence[LineLoad] = (),
-        planes: Sequence[Plane] = (),
-        obstacles: Sequence[Obstacle] = (),
+        loads: Load | Sequence[Load] = (),
+        line_loads: LineLoad | Sequence[LineLoad] = (),
+        planes: Plane | Sequence[Plane] = (),
+        obstacles: Obstacle | Sequence[Obstacle] = (),
         contact: Table | None = None,
         solver: Table | None = None,
         fidelity: Literal["draft", "balanced", "reference"] | None = None,
@@ -237,6 +245,7 @@ class Scene:
         output: Table | None = None,
         picture: Table | None = None,
     ) -> None:
+        all_rods = _list(rods)
         scene = {
             "title": title,
             "planar": planar,
@@ -245,20 +254,20 @@ class Scene:
             "temperature": temperature,
             "gravity": gravity,
             "load": load,
-            "rods": [rods] if isinstance(rods, Rod) else list(rods),
-            "supports": list(supports),
-            "joints": list(joints),
-            "loads": list(loads),
-            "line_loads": list(line_loads),
-            "planes": list(planes),
-            "obstacles": list(obstacles),
+            "rods": all_rods,
+            "supports": _list(supports),
+            "joints": _list(joints),
+            "loads": _list(loads),
+            "line_loads": _list(line_loads),
+            "planes": _list(planes),
+            "obstacles": _list(obstacles),
             "contact": contact,
             "solver": solver,
             "output": output,
             "picture": picture,
-            "stages": [stages] if isinstance(stages, Stage) else list(stages),
+            "stages": _list(stages),
         }
-        inputs = Inputs()
+        inputs = Inputs([getattr(rod, "name", None) or "rod" for rod in all_rods])
         plain = inputs.plain(scene)
         check(plain, schema(), "")
         try:
@@ -321,8 +330,12 @@ class Scene:
 
         Raises :class:`InputError` for numbers out of their ranges.
         """
-        if base_pairs < 1:
-            raise InputError(f"base_pairs = {base_pairs}: must be at least 1")
+        rules = schema()["$defs"]["DnaText"]["properties"]
+        for argument, value in (("base_pairs", base_pairs), ("salt_mM", salt_mM)):
+            check(value, rules[argument], argument)
+        for argument, count in (("elements", elements), ("steps", steps)):
+            if count is not None:
+                check_count(argument, count)
         rise, bending, twisting, stretching = _supercoil.dna()
         radius = _supercoil.contact_diameter(salt_mM / 1000.0) / 2.0
         section = {"bending": bending, "twisting": twisting, "stretching": stretching, "shearing": stretching}
@@ -355,6 +368,18 @@ class Scene:
         """Names of the units: ``{"length": "nm", "force": "pN"}``; L and F where none are given."""
         length, force = self._native.units()
         return {"length": length, "force": force}
+
+    @property
+    def temperature(self) -> float | None:
+        """Temperature [K] of what is reported in kT, 298 unless it was given; None where units are not nm and pN."""
+        thermal = self._native.thermal()
+        return thermal and thermal[0]
+
+    @property
+    def kT(self) -> float | None:  # noqa: N802 (as it is written)
+        """Thermal energy, kT [pN nm], at :attr:`temperature`; None where units are not nm and pN."""
+        thermal = self._native.thermal()
+        return thermal and thermal[1]
 
     @property
     def notices(self) -> list[str]:
@@ -496,7 +521,14 @@ class Result:
     """How a run went: its ``status``, reports of its ``steps``, the states that were kept."""
 
     def __init__(
-        self, scene: Scene, state: _supercoil.State, steps: str, status: str, failure: str | None, seconds: float
+        self,
+        scene: Scene,
+        state: _supercoil.State,
+        steps: str,
+        status: str,
+        failure: str | None,
+        error_estimate: str | None,
+        seconds: float,
     ) -> None:
         self.scene = scene
         #: The last accepted state.
@@ -511,6 +543,9 @@ class Result:
         self.status = status
         #: What the last attempt failed at; None if it did not fail.
         self.failure = failure
+        #: Estimate of the last state's error, as in ``summary.json``: a dict; None unless the scene's ``output`` has
+        #: ``error_estimate``.
+        self.error_estimate: dict[str, Any] | None = None if error_estimate is None else json.loads(error_estimate)
         #: Wall time [s].
         self.seconds = seconds
         self._steps = steps
@@ -605,6 +640,8 @@ class Result:
         formats = {name: path for name, path in given.items() if path is not None}
         if not formats and glb is None and vtk is None and directory is None:
             raise InputError(f"export: names no file: give one of {', '.join([*given, 'glb', 'vtk', 'directory'])}")
+        if base_pairs is not None:
+            check_count("base_pairs", base_pairs)
         if formats:
             _supercoil.export(self.scene._native, self.state._native, rod, base_pairs, sequence, formats)
         if directory is not None:
@@ -622,7 +659,7 @@ class Result:
     def _write_run(self, folder: Path, for_page: bool = True) -> None:
         """The files of a run with the states that were kept: those of the scene's outputs, or those of a page."""
         states = [state._native for state in self.states]
-        outcome = (self.converged, self.status, self.seconds)
+        outcome = (self.converged, (self.status, self.failure), self.seconds)
         _supercoil.write_files(self.scene._native, states, folder, *outcome, for_page)
 
     def page(self) -> str:
@@ -665,7 +702,8 @@ class Result:
 
     def __reduce__(self) -> tuple[Any, ...]:
         states = [state._native.to_bytes() for state in self.states]
-        return _result_of, (self.scene, states, self._steps, self.status, self.failure, self.seconds)
+        estimate = None if self.error_estimate is None else json.dumps(self.error_estimate)
+        return _result_of, (self.scene, states, self._steps, self.status, self.failure, estimate, self.seconds)
 
     def plot(self, x: str, y: str | Sequence[str], ax: Any = None) -> Any:
         """Draws the columns ``y`` of :attr:`table` against the column ``x``, axes with their units, into the matplotlib axes ``ax``
@@ -695,17 +733,17 @@ class Result:
     def _repr_html_(self) -> str:
         page = html.escape(self.page())
         frame = f'<iframe srcdoc="{page}" style="width: 100%; height: 480px; border: 0"></iframe>'
-        return f"<p>{html.escape(repr(self))}</p>{frame}{self.state._energies_html()}"
+        return f"<p>{html.escape(repr(self))}</p>{frame}{self.state._energies_html(self.units['total_energy'])}"
 
     def __repr__(self) -> str:
         return f"<Result: {self.status} after {len(self.steps) - 1} steps, {self.seconds:.2f} s>"
 
 
 def _result_of(
-    scene: Scene, states: list[bytes], steps: str, status: str, failure: str | None, seconds: float
+    scene: Scene, states: list[bytes], steps: str, status: str, failure: str | None, estimate: str | None, seconds: float
 ) -> Result:
     kept = [_supercoil.State.from_bytes(state) for state in states]
-    result = Result(scene, kept[-1], steps, status, failure, seconds)
+    result = Result(scene, kept[-1], steps, status, failure, estimate, seconds)
     result.states = [*map(State, kept[:-1]), result.state]
     return result
 
@@ -765,6 +803,15 @@ def _stage_text(stage: Stage) -> str:
     return tomli_w.dumps({"stages": [plain]})
 
 
+@contextmanager
+def _in_arguments() -> Iterator[None]:
+    """Errors about the only stage of a solver by hand as ones about its arguments."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(re.sub(r"^(stages\[0\]\.ramp(\.|: )|follow\.)", "", str(error))) from None
+
+
 class Solver:
     """Equilibria one after the other, each from the one before."""
 
@@ -814,7 +861,8 @@ class Solver:
             natural=natural,
             binding=binding,
         )
-        return StepReport(*self._native.step_to(_stage_text(stage)))
+        with _in_arguments():
+            return StepReport(*self._native.step_to(_stage_text(stage)))
 
     def follow(
         self,
@@ -824,22 +872,36 @@ class Solver:
         displacement: Table | None = None,
         load: float | None = None,
         pressure: float | Table | None = None,
+        sigma: float | Table | None = None,
+        link: float | Table | None = None,
+        start: Literal["towards", "away", "branch", "other-branch"] = "towards",
         step: float = 0.05,
         max_step: float = 0.2,
         max_points: int = 500,
     ) -> EquilibriumPath:
         """Follows the path of equilibria past limit points, stable or not, with one ramp as its parameter.
 
+        ``start``: towards the ramp's target, or away from it; at a branch point onto the branch, in either of its directions.
+
         ``step`` and ``max_step`` are arc lengths of the path: ds² = mean |δr|²/L² + mean |θ|² + (δλ/range)². The solver
-        keeps the last of at most ``max_points``. The ramp is one of those of :class:`Stage`.
+        keeps the last of at most ``max_points``. The ramp is given as to :class:`Stage`.
 
         Raises :class:`InputError` for several ramps or a target that is refused.
         """
+        options = {"start": start, "step": step, "max_step": max_step, "max_points": max_points}
+        check(options, schema()["$defs"]["FollowChoice"], "")
         stage = Stage(
-            excess_link=excess_link, rotation=rotation, displacement=displacement, load=load, pressure=pressure
+            excess_link=excess_link,
+            rotation=rotation,
+            displacement=displacement,
+            load=load,
+            pressure=pressure,
+            sigma=sigma,
+            link=link,
         )
         text = _stage_text(stage)
-        end, points = self._native.follow(text, (step, max_step), max_points)
+        with _in_arguments():
+            end, points = self._native.follow(text, start, (step, max_step), max_points)
         return EquilibriumPath(end, [PathPoint(kind, value, unstable, State(state)) for kind, value, unstable, state in points])
 
     @property

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _supercoil
+from ._inputs import check_count
 from .errors import InputError
 
 if TYPE_CHECKING:
@@ -229,7 +230,11 @@ class State:
         return list(self.observation["notes"])
 
     def modes(self, count: int = 6, *, contacts: str = "law") -> Modes:
-        """The softest modes. ``contacts``: "law", "locked" or "free", see the page on the tangent of the manual."""
+        """The ``count`` softest modes. ``contacts``: "law", "locked" or "free", see the page on the tangent of the manual.
+
+        Raises :class:`InputError` for another word or a ``count`` below 1, and of a state that was pickled or read from a file.
+        """
+        check_count("count", count)
         eigenvalues, unit, frequencies, shares, shapes = self._native.modes(count, contacts)
         nodes = shapes.reshape(len(eigenvalues), -1, 6)
         swings = None if frequencies is None else np.array(frequencies)
@@ -237,7 +242,7 @@ class State:
         return Modes(np.array(eigenvalues), unit, swings, parts, nodes[:, :, :3], nodes[:, :, 3:])
 
     def gradient(self, of: str, to: str | Sequence[str], *, contacts: str | None = None) -> Floats:
-        """Derivatives of an observable with respect to parameters, by the adjoint: (n,) of a list, () of one name.
+        """Derivatives [unit of the observable per unit of the parameter], by the adjoint: (n,) of a list, () of one name.
 
         ``of``: "energy", "contact_force"; "twist", "writhe", "extension", "seam_moment" of the first rod, or
         "twist:name" of another; "position_x:name:node" …, "force_z:name:end", "moment_y:name:start" … of a support.
@@ -249,6 +254,8 @@ class State:
         by itself: (rows, 6) of the rows of the rod's table, or of the steps of its sequence.
 
         ``contacts``: by default gaps that carry force stay closed under hard contact, and give under a penalty.
+
+        Raises :class:`InputError` for names that are not these, and of a state that was pickled or read from a file.
         """
         if not isinstance(to, str):
             return np.array(self._native.gradient([of], list(to), contacts)[1][0])
@@ -258,7 +265,11 @@ class State:
     def values_and_gradients(
         self, of: Sequence[str], to: Sequence[str], *, contacts: str | None = None
     ) -> tuple[Floats, Floats]:
-        """(m,) values of observables, and (m, n) derivatives with respect to parameters, named as in :meth:`gradient`."""
+        """(m,) values of observables [each in its unit], and (m, n) derivatives with respect to parameters, by their names; ``of``,
+        ``to``, ``contacts``, units and errors as of :meth:`gradient`.
+
+        Raises :class:`InputError`.
+        """
         values, slopes = self._native.gradient(list(of), list(to), contacts)
         return np.array(values), np.array(slopes).reshape(len(values), len(to))
 
@@ -271,20 +282,34 @@ class State:
 
         Only differences between states of the same rods on the same mesh mean anything. "free" and "locked" contacts
         are its two bounds.
+
+        Raises :class:`InputError` without ``kT`` in other units, and of a state that was pickled or read from a file.
         """
         return self._native.free_energy(kT, contacts)
 
     def j_factor(self, open: State, kT: float | None = None, *, contacts: str = "free") -> float:
-        """The J-factor [1/L³] of this ring, or loop between its clamps, by a state of the same rod with a free end."""
+        """The J-factor [1/L³] of this ring, or loop between its clamps, by a state ``open`` of the same rod with a free end;
+        ``kT`` and ``contacts`` as of :meth:`free_energy`.
+
+        Raises :class:`InputError` for another rod or mesh, and of states that were pickled or read from a file.
+        """
         return self._native.j_factor(open._native, kT, contacts)
 
     def covariance(self, of: Sequence[str], kT: float | None = None, *, contacts: str = "free") -> Floats:
-        """(n, n) covariances of observables, to leading order in kT."""
+        """(n, n) covariances of the observables ``of`` [unit of one times unit of the other], to leading order in ``kT``; names as in
+        :meth:`gradient`, ``contacts`` as of :meth:`free_energy`.
+
+        Raises :class:`InputError` for names that are not these, and of a state that was pickled or read from a file.
+        """
         return np.array(self._native.covariance(list(of), kT, contacts))
 
     def anharmonicity(self, kT: float | None = None, count: int = 4) -> Floats:
-        """Of the ``count`` softest modes: how far the energy at their thermal amplitude is off the quadratic one, over
-        kT/2. Above 0.5 free energies and covariances are void: the next contact or saddle is as near."""
+        """(m,) of the ``count`` softest modes: how far the energy at their thermal amplitude is off the quadratic one, in units of
+        ``kT``/2. Above 0.5 free energies and covariances are void: the next contact or saddle is as near.
+
+        Raises :class:`InputError` without ``kT`` in other units, and of a state that was pickled or read from a file.
+        """
+        check_count("count", count)
         return np.array(self._native.anharmonicity(count, kT))
 
     def save_picture(self, path: str | os.PathLike[str], width: int = 800, height: int = 600) -> None:
@@ -292,6 +317,8 @@ class State:
 
         Raises :class:`InputError` for a size that is too large, a file that cannot be written.
         """
+        check_count("width", width)
+        check_count("height", height)
         self._native.save_picture(path, width, height)
 
     def _repr_png_(self) -> bytes:
@@ -301,9 +328,9 @@ class State:
             self.save_picture(path, 600, 450)
             return path.read_bytes()
 
-    def _energies_html(self) -> str:
+    def _energies_html(self, unit: str = "F·L") -> str:
         energies = "".join(f"<tr><td>{kind}</td><td>{value:.6g}</td></tr>" for kind, value in self.energies.items())
-        return f"<table><tr><th>energy</th><th>F·L</th></tr>{energies}</table>"
+        return f"<table><tr><th>energy</th><th>{html.escape(unit)}</th></tr>{energies}</table>"
 
     def _repr_html_(self) -> str:
         picture = base64.b64encode(self._repr_png_()).decode()
@@ -338,6 +365,13 @@ class State:
             mesh.point_data[name] = self.frames[:, k]
         mesh.point_data["smoothed_contact_force_per_length"] = self.contact_force
         return mesh
+
+    def _nodes(self) -> dict[str, NDArray[Any]]:
+        """The columns of a ``final_state.csv``, from which other scenes start."""
+        rods = [k for k, (first, end) in enumerate(self.node_ranges) for _ in range(first, end)]
+        table = {"rod": np.array(rods), "arc_length": self.arc_lengths}
+        table |= dict(zip("xyz", self.positions.T, strict=True))
+        return table | dict(zip(("qw", "qx", "qy", "qz"), self.quaternions.T, strict=True))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _state_of, (self._native.to_bytes(),)

@@ -14,7 +14,7 @@ from supercoil import contact, dna
 #: Shape of an array as texts have it: (n, 3), (c,).
 SHAPE = re.compile(r"\((?:[a-z]|\d+),(?: (?:[a-z]|\d+)(?:, (?:[a-z]|\d+))*)?\)")
 #: A unit: [L], [F·L], [1/L], [nm], Å, s, K, or that there is none.
-UNIT = re.compile(r"\[(?:1|[LFT]|nm|pN|rad|turns?|K|s\b|Å|a unit|column)|\bturns?\b|\brad\b|degrees|integer|[Uu]nits?\b|\bunit\b|B/L⁴|shares|dict of arrays|bases|covariances|Derivatives")
+UNIT = re.compile(r"\[(?:1|[LFT]|nm|pN|rad|turns?|K|s\b|Å|a unit|column)|\bturns?\b|\brad\b|degrees|integer|[Uu]nits?\b|\bunit\b|B/L⁴|in the scene's units|dict of arrays")
 
 
 def public() -> Iterator[tuple[str, Any]]:

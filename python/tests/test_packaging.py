@@ -2,10 +2,13 @@
 
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from supercoil import _supercoil
 
 ROOT = Path(__file__).parents[2]
 
@@ -59,3 +62,19 @@ def test_the_recipe_agrees_with_the_package() -> None:
         assert f'"{requirement.replace(" ", "")}"' in project
     assert all((ROOT / name).exists() for name in recipe["about"]["license_file"][:2])
     assert f'supercoil = "{recipe["build"]["python"]["entry_points"][0].split(" = ")[1]}"' in project
+
+
+def test_one_wheel_serves_all_versions_of_python() -> None:
+    found = metadata.distribution("supercoil")
+    assert "Tag: cp310-abi3-" in (found.read_text("WHEEL") or "")
+    assert found.metadata["Requires-Python"] == ">=3.10"
+    names = {Path(str(file)).name for file in found.files or []}
+    assert {"LICENSE-MIT", "LICENSE-APACHE", "LICENSE-DejaVuSans"} <= names
+
+
+def test_the_wheel_keeps_to_the_stable_interface() -> None:
+    """abi3audit looks up every symbol that the library takes from Python, and since which version it is stable."""
+    pytest.importorskip("abi3audit")
+    command = [sys.executable, "-m", "abi3audit", "--strict", "--assume-minimum-abi3", "3.10", _supercoil.__file__]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import supercoil
-from supercoil import Result, Rod, Scene, Stage, State
+from supercoil import Result, Rod, Scene, Stage, State, Support
 
 ROOT = Path(__file__).parents[2]
 
@@ -46,6 +46,38 @@ def test_a_run_equals_the_command_line(tmp_path: Path) -> None:
     assert np.array_equal(rows[:, 2], state.arc_lengths)
     assert np.array_equal(rows[:, 3:6], state.positions)
     assert np.array_equal(rows[:, 6:], state.quaternions)
+
+
+def parting() -> Scene:
+    """Two linked rings without contact, of which one is carried away through the other."""
+    circles = {"a": {"center": (0, 0, 0), "normal": (0, 0, 1)}, "b": {"center": (1, 0, 0), "normal": (0, 1, 0)}}
+    rods = [
+        Rod(name=name, closed=True, shape={"kind": "circle", "radius": 1.0, **circle}, section=SECTION, elements=8)
+        for name, circle in circles.items()
+    ]
+    held = [Support(rod=name, at="start", position=True, rotation=True) for name in circles]
+    away = {"rod": "b", "at": "start", "to": (3, 0, 0)}
+    return Scene(rods, supports=held, contact={"law": "none"}, stages=Stage(displacement=away, steps=4))
+
+
+def test_a_folder_equals_that_of_the_command_line(tmp_path: Path) -> None:
+    """The same files, the same table to the bit, with notes that compare states."""
+    program = os.environ.get("SUPERCOIL_PROGRAM")
+    if not program:
+        pytest.skip("SUPERCOIL_PROGRAM names no command line: python/check does")
+    file = tmp_path / "rings.toml"
+    file.write_text(parting().to_toml())
+    subprocess.run([program, "run", file, "--out", tmp_path / "cli", "--quiet"], check=True, timeout=300)
+    result = Scene.from_toml(file).run(keep="all")
+    assert 'rods "a" and "b" were linked' in result.table["notes"][-1] and not result.table["notes"][0]
+    result.export(directory=tmp_path / "python")
+    there, here = ({path.name for path in (tmp_path / name).iterdir()} for name in ("cli", "python"))
+    # what goes on from a run is the program's
+    assert there - here == {".lock", "final_state.bin", "scene_as_run.toml"} and here <= there
+    for name in ("table_columns.csv", "final_state.csv", "resultants.csv", "sites.csv"):
+        assert (tmp_path / "cli" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
+    rows = [list(csv.DictReader((tmp_path / name / "table.csv").open())) for name in ("cli", "python")]
+    assert [row | {"seconds": ""} for row in rows[0]] == [row | {"seconds": ""} for row in rows[1]]
 
 
 def test_arrays_have_their_shapes_and_meaning(result: Result) -> None:
@@ -196,6 +228,7 @@ def test_a_picture_is_a_png_of_the_size_asked_for(result: Result, tmp_path: Path
 def test_results_show_themselves_in_notebooks(result: Result) -> None:
     shown = result._repr_html_()
     assert "<iframe srcdoc=" in shown and "&lt;Result: converged" in shown and "<td>twisting</td>" in shown
+    assert "<th>F L</th>" in shown and "<th>pN nm</th>" in Scene.minicircle(elements=12, steps=1).run()._repr_html_()
     assert "data:image/png;base64," in result.state._repr_html_()
     axes = result.plot("excess_link", "writhe")
     assert list(axes.lines[0].get_ydata()) == list(result.table["writhe"]) and axes.get_ylabel() == "writhe [turns]"
@@ -220,6 +253,31 @@ def test_a_path_passes_the_branch_point_of_a_twisted_ring() -> None:
     assert branch.value == pytest.approx(3**0.5 / 1.5, abs=(2 * np.pi) ** 2 / 1e4)
     assert [point.num_unstable > 0 for point in (path.points[0], path.points[-1])] == [False, True]
     assert path.points[-1].state.links[0]["excess_link"] == pytest.approx(1.3, rel=1e-12)
+
+
+def test_stages_are_followed_as_paths() -> None:
+    """Symptom: a stage with ``follow`` was taken in load steps, which pass a limit point by a snap."""
+    shape = {"kind": "circle", "length": 1.0}
+    rod = Rod(name="ring", closed=True, shape=shape, section=SECTION, elements=16)
+    result = Scene(rod, stages=Stage(excess_link=1.3, follow={"max_step": 0.1})).run(keep="all")
+    notes = [note for step in result.steps for note in step.notes]
+    # Michell and Zajac, as above
+    assert result.converged and any(note.startswith("branch point: other paths cross at 1.15") for note in notes)
+    assert len(result.states) == len(result.steps) > 5 and [step.step for step in result.steps] == list(range(len(result.steps)))
+    assert result.steps[-1].num_unstable > 0 and result.table["excess_link"][-1] == pytest.approx(1.3)
+
+
+def test_paths_begin_where_they_are_told() -> None:
+    path = ring().solver().follow(excess_link=1.3, start="away", max_points=3)
+    assert path.points[-1].value < 0.0
+
+
+def test_errors_are_estimated_where_the_scene_says_so() -> None:
+    rod = Rod(closed=True, shape={"kind": "circle", "length": 1.0}, section=SECTION, elements=16)
+    result = Scene(rod, stages=Stage(excess_link=0.5), output={"error_estimate": True}).run()
+    assert result.error_estimate is not None and 0.0 <= result.error_estimate["mesh"]["error"]["energy"] < 1.0
+    assert pickle.loads(pickle.dumps(result)).error_estimate == result.error_estimate
+    assert ring(0.5, 1).run().error_estimate is None
 
 
 def test_progress_is_tqdms_bar(capsys: pytest.CaptureFixture[str]) -> None:
@@ -256,6 +314,7 @@ def in_child(_: int) -> bytes:
     return ring().run().state.positions.tobytes()
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_forked_processes_run() -> None:
     """Symptom: a run in a process forked after a run never ended. Mechanism: the copy has no threads of the pool.
 
@@ -361,5 +420,9 @@ def test_the_command_line_comes_along(tmp_path: Path) -> None:
     assert told.returncode == 0 and "nothing to object" in told.stdout
     told = subprocess.run([*program, "run", "none.toml"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert told.returncode == 2 and "none.toml" in told.stderr
-    told = subprocess.run([*program, "--version"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    # the console script, and what it writes
+    script = Path(sys.executable).with_name("supercoil")
+    subprocess.run([script, "new", "knot", "8_19"], cwd=tmp_path, check=True, timeout=60)
+    assert Scene.from_toml(tmp_path / "knot_8_19.toml").rods[0]["closed"]
+    told = subprocess.run([script, "--version"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert told.stdout.strip() == f"supercoil {supercoil.__version__}"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import supercoil
-from supercoil import InputError, LineLoad, Load, Obstacle, Plane, Rod, Scene, Stage, SupercoilError, Support, contact
+from supercoil import InputError, LineLoad, Load, Obstacle, Plane, Rod, Scene, Stage, SupercoilError, Support, contact, dna
 from supercoil._inputs import schema
 
 ROOT = Path(__file__).parents[2]
@@ -71,7 +71,7 @@ def test_obstacles_hold_and_move_rods() -> None:
     result = scene.run()
     post, cavity = result.state.obstacle_reactions
     assert result.status == "converged"
-    assert post["placement"] == {"level": 0.6, "displacement": [0.1, 0.0, 0.0], "turns": 0.02}
+    assert post["placement"] == {"level": 0.6, "displacement": [0.1, 0.0, 0.0], "turns": 0.02, "rotation": [0.0, 0.0, 0.0]}
     assert cavity["placement"]["level"] == 2.0
     # by hand: a post lifts a cantilever by δ at a, F = 3 EI δ/a³
     beam = Rod(shape=LINE, section=section, elements=8)
@@ -111,7 +111,8 @@ def test_minicircle_has_the_numbers_of_dna() -> None:
 @pytest.mark.parametrize(
     ("make", "text"),
     [
-        (lambda: Scene.minicircle(salt_mM=5), "sodium_chloride = 0.005: must be between 0.01 and 1"),
+        (lambda: Scene.minicircle(salt_mM=5), "salt_mM = 5: must be at least 10 and at most 1000 mmol/l"),
+        (lambda: Scene.minicircle(elements=0), "^elements = 0: must be at least 1"),
         (lambda: Scene.minicircle(base_pairs=0), "base_pairs = 0: must be at least 1"),
         (lambda: Scene.from_toml("rods = [\n"), "scene: TOML parse error"),
         (lambda: Scene.from_toml(ROOT / "nowhere.toml"), "nowhere.toml: No such file"),
@@ -119,11 +120,23 @@ def test_minicircle_has_the_numbers_of_dna() -> None:
         (lambda: cantilever(contact={"law": "penalty", "stiffness": -1.0}), "contact.stiffness = -1"),
         (lambda: cantilever(stages=Stage(displacement={"at": 900, "to": [0, 0, 0]})), "900"),
         (lambda: cantilever().run(threads=0), "threads = 0: must be at least 1"),
-        (lambda: cantilever().solver().step_to(excess_link=1.0), "excess_link"),
+        (lambda: cantilever().solver().step_to(excess_link=1.0), "^excess_link: rod \"rod\" is open"),
+        (lambda: cantilever().solver().step_to(), "^nothing to do: ramp at least one of excess_link"),
+        (lambda: cantilever().solver().follow(load=1.0, step=-1.0), "^step = -1.0: must be greater than 0"),
+        (lambda: cantilever().solver().follow(load=1.0, start="back"), "^start = 'back': must be one of 'towards'"),  # type: ignore[arg-type]
+        (lambda: cantilever().solver().state.modes(0), "^count = 0: must be at least 1"),
+        (lambda: cantilever().solver().state.modes(contacts="loose"), "^contacts = 'loose': must be one of 'law'"),
+        (lambda: cantilever().solver().state.free_energy(-1.0), "^kT = -1: must be a finite number greater than 0"),
         (lambda: cantilever().solver().step_to(rotation={"at": "end", "turn": 1}), "rotation.turn = 1: there is no such key"),
         (lambda: Scene(Rod(shape=LINE, section={"bendin": 1.0})), r"rods\[0\].section.bendin = 1.0: .*meant: bending\?"),
         (lambda: Scene(Rod(shape=LINE, section=SECTION, elements=2.5)), r"rods\[0\].elements = 2.5: must be an int"),  # type: ignore[arg-type]
         (lambda: Scene(Rod(shape=LINE, section=SECTION, order=7)), r"rods\[0\].order = 7: must be at least 1 and at most 3"),
+        (lambda: Scene(Rod(shape=LINE, section={**SECTION, "bending": -1.0})), r"^rods\[0\].section.bending\[0\] = -1: must be"),
+        (lambda: Scene(Rod(name="a.b", shape=LINE, section=SECTION, elements=8, closed=True)), r"^rods\[0\].shape: a line is open"),
+        (lambda: Scene(Rod(shape=LINE, section=SECTION, natural={"table": "none.csv"})), r"^rods\[0\].natural.table = 'none.csv': there is no"),
+        (lambda: Scene(Rod(shape=LINE, section=SECTION, natural={"table": np.eye(3)})), r"^rods\[0\].natural.table: must be .* found ndarray"),
+        (lambda: contact.writhe("curve"), "^points: must be an array of numbers"),
+        (lambda: dna.steps("means", np.eye(6)), "^means: must be an array of numbers"),
         (lambda: Scene(Rod(shape={"kind": "lime"})), r"rods\[0\].shape.kind = 'lime': must be one of 'line'"),
         (lambda: Scene(Rod(section=SECTION)), "Rod: needs exactly one of shape, points, frames, found none"),
         (lambda: Scene(Rod(points=np.zeros((5, 2)), section=SECTION)), r"points: has shape \(5, 2\)"),
@@ -305,7 +318,9 @@ def test_arrays_stand_for_files(tmp_path: Path) -> None:
         **{f"{name}_{name}": np.full(7, 20.0) for name in ("shift", "slide", "rise")},
     }
     pandas = pytest.importorskip("pandas")
-    for table in (steps, pandas.DataFrame(steps)):
+    polars = pytest.importorskip("polars")
+    records = pandas.DataFrame(steps).to_records(index=False)
+    for table in (steps, pandas.DataFrame(steps), polars.DataFrame(pandas.DataFrame(steps).to_dict("list")), records):
         own = Rod(
             shape={"kind": "line", "length": 7 * 0.34},
             sequence={"letters": "ACGTACGT", "steps": table},
@@ -352,3 +367,27 @@ def test_ends_of_open_rods_have_moments() -> None:
     assert state.twist == pytest.approx(0.25) and state.link == pytest.approx(0.25) and state.ends[0]["rod"] == 0
     with pytest.raises(InputError, match="rod = 'none': must be one of 'rod'"):
         state.end_moments("none")
+
+
+def test_states_start_other_scenes() -> None:
+    """Two rods that were bent go on from where they are: at once, and on another mesh."""
+    rods = [Rod(name=name, shape={**LINE, "start": [0, y, 0]}, section=SECTION, elements=8) for y, name in enumerate("ab")]
+    held = [Support(rod=name, at="start", position=True, rotation=True) for name in "ab"]
+    load = Load(rod="b", at="end", force=(0.0, 0.5, 0.0))
+    bent = Scene(rods, supports=held, loads=load, stages=Stage(load=1.0, steps=2)).run().state
+    nodes = bent.positions[slice(*bent.node_ranges[1])]
+    for elements in (8, 12):
+        shape = {"kind": "state", "file": bent, "rod": 1}
+        rod = Rod(name="b", shape=shape, section=SECTION, elements=elements)
+        again = Scene(rod, supports=held[1], loads=load, load=1.0).run()
+        assert again.converged and again.steps[0].iterations <= 4
+        assert np.allclose(again.state.positions[-1], nodes[-1], atol=1e-6)
+
+
+def test_temperature_is_that_of_the_constants_unless_given() -> None:
+    assert cantilever().kT is cantilever().temperature is None
+    scene = Scene.minicircle()
+    assert scene.temperature == 298.0 and scene.kT == pytest.approx(4.114, abs=1e-3)
+    rod = Rod(shape={"kind": "line"}, dna={"base_pairs": 42}, elements=8)
+    warm = Scene(rod, temperature=310)
+    assert warm.temperature == 310.0 and warm.kT == pytest.approx(310 * 0.01380649)

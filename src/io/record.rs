@@ -13,7 +13,7 @@ use crate::dna::base_pairs::{AtRest, BasePairs};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::observe::ErrorEstimate;
-use crate::observe::report::{Energies, LineSample, Linking, Observation, SiteReport};
+use crate::observe::report::{Energies, LineSample, Observation, SiteReport};
 use crate::scene::file::{OutputChoice, PictureChoice};
 use crate::scene::{Obstacle, ObstaclePose, Scene, Units};
 use crate::solve::NodalFields;
@@ -338,10 +338,6 @@ impl Record {
     pub fn push(&mut self, mut observation: Observation, rods: Vec<RodSnapshot>) -> Result<(), InputError> {
         let sites = std::mem::take(&mut observation.sites);
         observation.sites = strongest(&sites);
-        if let Some(first) = self.steps.first() {
-            let changed = changes(first, &observation, &self.rods);
-            observation.notes.extend(changed);
-        }
         let frame = RecordedFrame { step: self.steps.len(), rods, sites };
         self.steps.push(observation);
         if self.output.vtk && frame.step.is_multiple_of(self.output.every) {
@@ -372,7 +368,7 @@ impl Record {
     }
 
     /// Sets the reason why the run ended early, for the summary.
-    pub(crate) fn set_failure(&mut self, failure: Option<String>) {
+    pub fn set_failure(&mut self, failure: Option<String>) {
         self.failure = failure;
     }
 
@@ -593,24 +589,6 @@ pub(super) fn placements(step: &Observation) -> Vec<ObstaclePose> {
 /// Threads of a run that says nothing about them.
 fn all_threads() -> usize {
     if cfg!(feature = "parallel") { std::thread::available_parallelism().map_or(1, usize::from) } else { 1 }
-}
-
-/// Knots and links of rods that are no longer those of the start, in words.
-fn changes(first: &Observation, now: &Observation, rods: &[RodHead]) -> Vec<String> {
-    let name = |rod: usize| rods.get(rod).map_or("", |rod| rod.name.as_str());
-    let knots = now.knots.iter().filter_map(|knot| {
-        let before = first.knots.iter().find(|before| before.rod == knot.rod)?;
-        let kept = (before.determinant, before.at_third) == (knot.determinant, knot.at_third);
-        (!kept).then(|| format!("rod \"{}\" was the knot {} and is {} now", name(knot.rod), before.name, knot.name))
-    });
-    let linking = now.linking.iter().filter_map(|pair| {
-        let is_it = |other: &&Linking| (other.rod_a, other.rod_b) == (pair.rod_a, pair.rod_b);
-        let before = first.linking.iter().find(is_it)?;
-        let (a, b) = (name(pair.rod_a), name(pair.rod_b));
-        (before.link != pair.link)
-            .then(|| format!("rods \"{a}\" and \"{b}\" were linked {} times and are {} now", before.link, pair.link))
-    });
-    knots.chain(linking).collect()
 }
 
 /// The [`MAX_SITES`] sites with the largest forces, in their original order.

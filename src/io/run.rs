@@ -1,6 +1,8 @@
 //! Runs a scene and writes its record to a folder. Silent; a callback reports progress. A stopped or killed run resumes
 //! from its last checkpoint and ends with the same bits.
 
+mod observed;
+
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -8,12 +10,10 @@ use std::time::{Duration, Instant};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::observe::report::Observation;
-use crate::observe::{self, EndLinks, ErrorEstimate, mesh_note, smoothed_contact_forces};
-use crate::scene::file::{FollowChoice, FollowStart};
-use crate::scene::{Fidelity, Ramp, Scene, Stage};
+use crate::observe::{self, ErrorEstimate, smoothed_contact_forces};
+use crate::scene::{Scene, Stage};
 use crate::solve::{
-    self, Engine, Failure, FollowOptions, Interrupt, NewtonOptions, NodalFields, Options, PathEnd, PathPoint,
-    PointKind, Progress, Restart, RunError, Start, Status, Waypoint,
+    self, Engine, Failure, Interrupt, NewtonOptions, NodalFields, Options, Restart, RunError, Status, Waypoint,
 };
 
 use super::asked::{Answers, Asked};
@@ -21,6 +21,8 @@ use super::checkpoint::{Checkpoint, FILE_NAME};
 use super::fingerprint::Fingerprint;
 use super::folder;
 use super::record::{FINAL_STATE_BITS, Record, RecordState, RodSnapshot};
+
+pub use observed::{ReportedState, run_observed};
 
 /// Result of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,41 +174,22 @@ impl SceneRun {
         let asked = Asked::of(&self.scene)?;
         let mut keeper = Keeper::new(&self, record, from.clone(), (seconds_before, asked));
         let mut failed: Option<InputError> = None;
-        let mut observer = |progress: &Progress, waypoint: &Waypoint| {
-            let mut observation = observe::observe(progress);
-            keeper.note_links(&mut observation);
-            let seen = watch(&observation);
-            match keeper.take_in(observation, progress.engine, waypoint) {
+        let before = keeper.record.steps().to_vec();
+        let result = run_observed(&self.scene, &options, (from, &before), &mut |reported: ReportedState| {
+            let seen = watch(&reported.observation);
+            match keeper.take_in(reported) {
                 Ok(()) => seen,
                 Err(error) => {
                     failed = Some(error);
                     ControlFlow::Break(())
                 }
             }
-        };
-        let path = self.scene.stages.last().and_then(|last| {
-            let (choice, ramp) = (self.scene.follow?, last.ramps.first()?);
-            Some(FollowedStage { index: self.scene.stages.len() - 1, choice, ramp })
         });
-        let stepped = path.as_ref().map_or(&self.scene.stages[..], |path| &self.scene.stages[..path.index]);
-        let mut result = solve::run_from(self.scene.model, stepped, &options, from, &mut observer);
-        if let (None, Ok(solution), Some(path)) = (&failed, &mut result, path)
-            && solution.status == Status::Converged
-        {
-            failed = keeper.follow(solution, &path, watch).err();
-        }
         match failed {
             Some(error) => Err(error.into()),
             None => keeper.finish(result),
         }
     }
-}
-
-/// A last stage whose path is followed.
-struct FollowedStage<'a> {
-    index: usize,
-    choice: FollowChoice,
-    ramp: &'a Ramp,
 }
 
 /// Writer of record and checkpoints of a run.
@@ -228,8 +211,6 @@ struct Keeper {
     latest: Option<Restart>,
     started: Instant,
     seconds_before: f64,
-    links: EndLinks,
-    fidelity: Option<Fidelity>,
     /// Whether the error of the final state is to be estimated.
     estimates: bool,
     /// What is asked of the tangent at the final state.
@@ -254,81 +235,20 @@ impl Keeper {
             latest: from,
             started,
             seconds_before,
-            links: EndLinks::new(&scene.model, &scene.stages),
-            fidelity: scene.fidelity,
             estimates: scene.output.error_estimate,
             asked,
         }
     }
 
-    fn note_links(&self, now: &mut Observation) {
-        let notes = self.links.notes(now, self.record.steps().first());
-        now.notes.extend(notes);
-        now.notes.extend(self.fidelity.and_then(|fidelity| mesh_note(fidelity, now)));
-    }
-
-    fn take_in(&mut self, observation: Observation, engine: &Engine, waypoint: &Waypoint) -> Result<(), InputError> {
+    fn take_in(&mut self, ReportedState { observation, engine, waypoint }: ReportedState) -> Result<(), InputError> {
         self.record.push(observation, snapshots(engine))?;
-        self.latest = waypoint.restart();
+        // no checkpoint is written along a path: a resumed run follows it from its beginning
+        self.latest = waypoint.and_then(Waypoint::restart);
+        let Some(waypoint) = waypoint else { return Ok(()) };
         let by_steps = self.steps.is_some_and(|every| waypoint.place().num_steps.is_multiple_of(every));
         // an interval beyond the range of Duration never ends
         let interval = Duration::try_from_secs_f64(self.seconds).unwrap_or(Duration::MAX);
         if by_steps || self.last.elapsed() >= interval { self.write() } else { Ok(()) }
-    }
-
-    /// Follows the path of a ramp from a solution. No checkpoint is written meanwhile: a resumed run follows the path
-    /// from its beginning.
-    fn follow(
-        &mut self,
-        solution: &mut solve::Solution,
-        FollowedStage { index, choice, ramp }: &FollowedStage,
-        watch: &mut Watch,
-    ) -> Result<(), InputError> {
-        self.latest = None;
-        let before = self.record.steps().len();
-        let mut failed = None;
-        let options = FollowOptions {
-            start: match choice.start {
-                FollowStart::Towards => Start::Towards,
-                FollowStart::Away => Start::Away,
-                FollowStart::Branch => Start::Branch { forwards: true },
-                FollowStart::OtherBranch => Start::Branch { forwards: false },
-            },
-            step: choice.step,
-            max_step: choice.max_step,
-            max_points: choice.max_points,
-            ..FollowOptions::default()
-        };
-        let mut given = solution.given.clone();
-        given.only_stable = false;
-        given.stages.push(Stage { ramps: vec![(*ramp).clone()], steps: 1 });
-        let report = solution.solver.follow(ramp, &options, &mut |point: &PathPoint| {
-            // the start is the final state of the stages before
-            if point.kind == PointKind::Start {
-                return ControlFlow::Continue(());
-            }
-            let progress = Progress { given: Some(&given), stage: *index, ..point.progress };
-            let mut observation = observe::observe(&progress);
-            observation.step = self.record.steps().len();
-            self.note_links(&mut observation);
-            observation.notes.extend(kind_in_words(point));
-            let seen = watch(&observation);
-            match self.record.push(observation, snapshots(point.engine())) {
-                Ok(()) => seen,
-                Err(error) => {
-                    failed = Some(error);
-                    ControlFlow::Break(())
-                }
-            }
-        })?;
-        solution.status = match report.end {
-            PathEnd::Target | PathEnd::MaxPoints => Status::Converged,
-            PathEnd::Stopped => Status::Stopped,
-            _ => Status::StepTooSmall,
-        };
-        solution.num_steps += self.record.steps().len() - before;
-        solution.iterations += report.iterations;
-        failed.map_or(Ok(()), Err)
     }
 
     /// Writes a checkpoint of the last accepted state, if there is any.
@@ -412,17 +332,6 @@ impl Keeper {
             error_estimate,
             answers,
         })
-    }
-}
-
-/// Note on the kind of a point of a path, if it is special.
-fn kind_in_words(point: &PathPoint) -> Option<String> {
-    let value = point.value;
-    match point.kind {
-        PointKind::Limit => Some(format!("limit point: what is ramped turns back at {value:.6}")),
-        PointKind::Branch { .. } => Some(format!("branch point: other paths cross at {value:.6}")),
-        PointKind::Corner => Some(format!("corner: a contact begins, ends, splits or joins at {value:.6}")),
-        PointKind::Start | PointKind::Regular | PointKind::Target => None,
     }
 }
 

@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::error::InputError;
+use crate::observe::ending;
 use crate::observe::report::Observation;
-use crate::observe::{EndLinks, ending, mesh_note, observe};
 use crate::scene::file::value_of;
-use crate::solve::{self, Interrupt, Progress, RunError, Status};
+use crate::solve::{self, Interrupt, RunError, Status};
 
 use super::super::csv::Cell;
-use super::super::run::options;
+use super::super::run::{ReportedState, options, run_observed};
 use super::super::table::Columns;
 use super::columns::SweepTable;
 use super::file::Rows;
@@ -73,17 +73,12 @@ impl Plan {
             return Err(InputError::Inconsistent { field: "stages.follow".to_owned(), reason }.into());
         }
         *columns = Some(Columns::of_scene(&scene));
-        let links = EndLinks::new(&scene.model, &scene.stages);
-        let fidelity = scene.fidelity;
         let mut options = options(&scene);
         options.newton.interrupt = interrupt.clone();
         options.threads = Some(1);
-        solve::run(scene.model, &scene.stages, &options, &mut |progress: &Progress| {
+        run_observed(&scene, &options, (None, &[]), &mut |ReportedState { observation, .. }| {
             // sites have no columns
-            let mut now = Observation { sites: Vec::new(), ..observe(progress) };
-            now.notes.extend(links.notes(&now, steps.first()));
-            now.notes.extend(fidelity.and_then(|fidelity| mesh_note(fidelity, &now)));
-            steps.push(now);
+            steps.push(Observation { sites: Vec::new(), ..observation });
             ControlFlow::Continue(())
         })
     }

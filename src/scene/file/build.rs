@@ -494,6 +494,10 @@ fn with_link(path: &str, text: &RodText, excess_link: Option<f64>, rod: Rod) -> 
     match (excess_link, text.link, text.twist) {
         (None, None, None) => Ok(rod),
         (Some(turns), None, None) => rod.with_excess_link(turns),
+        (None, Some(_), None) if !text.closed => {
+            let reason = "the rod is open: only a closed rod has a link; give its twist";
+            Err(InputError::inconsistent(format!("{path}.link"), reason))
+        }
         (None, Some(link), None) => {
             let turns = link - rod.relaxed_link();
             rod.with_excess_link(turns)

@@ -143,5 +143,5 @@ fn link_is_said_once_and_twist_of_open_rods_only() {
     refused(RING, "elements = 12", "elements = 12\nexcess_link = 1\nlink = 1", &parts);
     refused(RING, "elements = 12", "elements = 12\ntwist = 1", &["rods.dna.twist: the rod is closed"]);
     refused(BEAM, "order = 2", "order = 2\ntwist = 4", &["rods.beam.twist: 4 turns are more than 0.4"]);
-    refused(BEAM, "order = 2", "order = 2\nlink = 1", &["rods.beam.excess_link: the rod is open"]);
+    refused(BEAM, "order = 2", "order = 2\nlink = 1", &["rods.beam.link: the rod is open"]);
 }
