@@ -26,6 +26,7 @@ use supercoil::io::record::Record;
 use supercoil::io::run::{Outcome, SceneRun, scene_of, snapshots};
 use supercoil::io::schema::scene_schema;
 use supercoil::io::table::StepTable;
+use supercoil::io::thermal::ThermalState;
 use supercoil::io::view::{self, GlbOptions, Quantity};
 use supercoil::observe::{StartOverlap, ending, start_overlaps};
 use supercoil::scene::file::{MOST_THREADS, TEMPLATES, help};
@@ -136,8 +137,9 @@ enum Command {
         #[command(flatten)]
         scene: SceneOfRun,
     },
-    /// Print the harmonic free energy of a run's final state less that of another run of the same rods on the same mesh.
-    FreeEnergy(TwoRuns),
+    /// Print the harmonic free energy of a run's final state less that of another run of the same rods on the same mesh;
+    /// standard deviations; what loads and motions do at this temperature.
+    FreeEnergy(FreeEnergy),
     /// Print the J-factor of a ring or a loop: the run of the ring (closed), or of the loop between its clamps, and that of the
     /// same rod on the same mesh with a free end.
     JFactor(TwoRuns),
@@ -204,6 +206,26 @@ struct TwoRuns {
     dir: PathBuf,
     /// Folder of the run that it is compared with.
     reference: PathBuf,
+    /// Thermal energy, F L [default: that of the scene's temperature, where units are nm and pN].
+    #[arg(long = "kT", value_name = "KT")]
+    thermal_energy: Option<f64>,
+}
+
+/// What is asked of a run's final state at a temperature.
+#[derive(Args)]
+struct FreeEnergy {
+    /// Folder of the run.
+    dir: PathBuf,
+    /// Folder of the run that it is compared with.
+    #[arg(required_unless_present_any = ["of", "to"])]
+    reference: Option<PathBuf>,
+    /// Whose standard deviations: extension, writhe, twist, energy, position_x:NAME:end …; as --of of sensitivity.
+    #[arg(long, value_name = "OBSERVABLE", value_delimiter = ',')]
+    of: Vec<String>,
+    /// Slopes of the free energy: by load −force × extension, by link or rotation_x:NAME:end 2π × torque; as --to of
+    /// sensitivity.
+    #[arg(long, value_name = "PARAMETER", value_delimiter = ',')]
+    to: Vec<String>,
     /// Thermal energy, F L [default: that of the scene's temperature, where units are nm and pN].
     #[arg(long = "kT", value_name = "KT")]
     thermal_energy: Option<f64>,
@@ -325,8 +347,8 @@ pub fn program(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
         Command::Export(what) => export(&what),
         Command::Modes { dir, count, glb, scene } => ask(&dir, &scene, (count, &[], &[]), glb.as_deref()),
         Command::Sensitivity { dir, of, to, scene } => ask(&dir, &scene, (0, &of, &to), None),
-        Command::FreeEnergy(runs) => compare(&runs, StateComparison::of_free_energies),
-        Command::JFactor(runs) => compare(&runs, StateComparison::of_ends),
+        Command::FreeEnergy(asked) => at_temperature(&asked),
+        Command::JFactor(runs) => j_factor(&runs),
         Command::Sweep { command } => command.go(),
         Command::Resume { dir, scene, choices } => resume(&dir, scene, &choices),
         Command::Plot(what) => plot(&what),
@@ -360,13 +382,28 @@ fn ask(
     }))
 }
 
-/// Compares the final states of two runs.
-fn compare(
-    runs: &TwoRuns,
-    how: impl FnOnce([FinalState; 2], Option<f64>) -> Result<StateComparison, RunError>,
-) -> Result<u8, InputError> {
+/// The J-factor by the final states of two runs.
+fn j_factor(runs: &TwoRuns) -> Result<u8, InputError> {
     let states = || Ok([FinalState::read(&runs.dir, None)?, FinalState::read(&runs.reference, None)?]);
-    told(states().and_then(|states| how(states, runs.thermal_energy)).map(|found| say(format_args!("{found}"))))
+    let found = states().and_then(|states| StateComparison::of_ends(states, runs.thermal_energy));
+    told(found.map(|found| say(format_args!("{found}"))))
+}
+
+/// Free energy, standard deviations, slopes of the free energy at the final state of a run.
+fn at_temperature(asked: &FreeEnergy) -> Result<u8, InputError> {
+    let FreeEnergy { dir, reference, of, to, thermal_energy } = asked;
+    let answer = || -> Result<(), RunError> {
+        if let Some(reference) = reference {
+            let states = [FinalState::read(dir, None)?, FinalState::read(reference, None)?];
+            say(format_args!("{}", StateComparison::of_free_energies(states, *thermal_energy)?));
+        }
+        if !of.is_empty() || !to.is_empty() {
+            let mut state = FinalState::read(dir, None)?;
+            say(format_args!("{}", ThermalState::new(&mut state, *thermal_energy, (of, to))?));
+        }
+        Ok(())
+    };
+    told(answer())
 }
 
 /// The exit code of work without steps.

@@ -14,8 +14,8 @@ pub struct StateComparison {
     pub thermal_energy: f64,
     /// Difference of the potentials \[F·L\].
     pub potential: f64,
-    /// What is compared, contacts free.
-    pub free: f64,
+    /// What is compared, contacts free; `None` where only contact keeps a state stable.
+    pub free: Option<f64>,
     /// The same with contacts locked; `None` where they are lines.
     pub locked: Option<f64>,
     /// Largest deviation of the energy along the softest modes from the quadratic one, see
@@ -59,11 +59,15 @@ impl StateComparison {
             Compared::FreeEnergy => a.relative_to(b, thermal_energy),
             Compared::JFactor => a.j_factor(b, thermal_energy),
         };
+        let [free_ones, locked_ones] = [compare(free, free_there), compare(locked, locked_there)];
+        if let (Err(_), Err(error)) = (&free_ones, &locked_ones) {
+            return Err(error.clone().into());
+        }
         Ok(Self {
             thermal_energy,
             potential: free.potential - free_there.potential,
-            free: compare(free, free_there)?,
-            locked: compare(locked, locked_there).ok(),
+            free: free_ones.ok(),
+            locked: locked_ones.ok(),
             anharmonicity: own.anharmonicity.max(reference.anharmonicity),
             kind,
             length: state.scene.units.length.clone(),
@@ -88,6 +92,17 @@ impl StateComparison {
     }
 }
 
+/// What is known with free contacts and with locked ones, in words; once where it is the same.
+pub(super) fn bounds(free: Option<String>, locked: Option<String>) -> String {
+    match (free, locked) {
+        (Some(free), Some(locked)) if free == locked => free,
+        (Some(free), Some(locked)) => format!("{free} with free contacts, {locked} with locked ones"),
+        (Some(free), None) => format!("{free} with free contacts"),
+        (None, Some(locked)) => format!("{locked} with locked contacts"),
+        (None, None) => "unknown".to_owned(),
+    }
+}
+
 /// Molecules per litre in a cubic nanometre.
 const MOLAR: f64 = 1.660_539_067;
 
@@ -95,24 +110,25 @@ impl std::fmt::Display for StateComparison {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let kt = self.thermal_energy;
         write!(f, "in kT = {kt:.6e}: potential {:.4}, ", self.potential / kt)?;
-        let apart = match self.kind {
-            Compared::FreeEnergy => {
-                write!(f, "free energy {:.4} with free contacts", self.free / kt)?;
-                let other = self.locked.filter(|locked| *locked != self.free);
-                other.map_or(Ok(()), |locked| write!(f, ", {:.4} with locked ones", locked / kt))?;
-                self.locked.map_or(0.0, |locked| (locked - self.free).abs() / kt)
-            }
-            Compared::JFactor => {
-                let unit = &self.length;
-                write!(f, "J = {:.6e} /{unit}³", self.free)?;
-                if unit == "nm" {
-                    write!(f, " = {:.6e} M", MOLAR * self.free)?;
-                }
-                let other = self.locked.filter(|locked| *locked != self.free);
-                other.map_or(Ok(()), |locked| write!(f, " with free contacts, {locked:.6e} with locked ones"))?;
-                self.locked.map_or(0.0, |locked| (locked / self.free).ln().abs())
-            }
+        let unit = match self.kind {
+            Compared::FreeEnergy => String::new(),
+            Compared::JFactor => format!(" /{}³", self.length),
         };
+        let shown = |value: f64| match self.kind {
+            Compared::FreeEnergy => format!("{:.4}", value / kt),
+            Compared::JFactor if self.length == "nm" => format!("{value:.6e}{unit} = {:.6e} M", MOLAR * value),
+            Compared::JFactor => format!("{value:.6e}{unit}"),
+        };
+        write!(f, "{}", if self.kind == Compared::JFactor { "J = " } else { "free energy " })?;
+        f.write_str(&bounds(self.free.map(shown), self.locked.map(shown)))?;
+        let apart = match (self.kind, self.free, self.locked) {
+            (Compared::FreeEnergy, Some(free), Some(locked)) => (locked - free).abs() / kt,
+            (Compared::JFactor, Some(free), Some(locked)) => (locked / free).ln().abs(),
+            _ => 0.0,
+        };
+        if self.free.is_none() {
+            write!(f, "\nstable by contact only: it is not known with free contacts")?;
+        }
         if self.locked.is_none() {
             write!(f, "\ncontact along lines: it is not known with locked contacts")?;
         }

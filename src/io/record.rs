@@ -213,7 +213,7 @@ pub struct RecordState {
 /// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
 /// | `final_state.bin` | the final state bit for bit, for `supercoil modes`, `sensitivity`, `free-energy`, `j-factor` |
-/// | `modes.vtp`, `modes.html` | if asked for: the softest modes of the final state, at the nodes the displacements `mode_1` … and rotations `mode_1_rotation` …; eigenvalues as field data; a page that shows them swing |
+/// | `modes.vtp`, `modes.png`, `modes.html` | if asked for: the softest modes of the final state, at the nodes the displacements `mode_1` … and rotations `mode_1_rotation` …; eigenvalues as field data; a picture of each; a page that shows them swing |
 /// | `sensitivities.csv` | if asked for: derivatives of observables |
 /// | `view.html` | a page for the browser: the run to turn and to step through (from the `.vtp` files: without them there is none) |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod's changes |

@@ -172,6 +172,10 @@ pub(super) struct GapRate {
     pub(super) surface: Option<PushedBy>,
     /// Whether it is the mean of a point of contact.
     pub(super) is_point: bool,
+    /// Where it is on the strands: segment and parameter.
+    pub(super) on: [Option<(usize, f64)>; 2],
+    /// Towards the first strand.
+    pub(super) normal: Vec3,
 }
 
 /// An obstacle at a point of contact.
@@ -246,6 +250,26 @@ pub(super) fn gaps_of(engine: &Engine, closed: &[ClosedPoint], residual: &Residu
     closed.iter().map(|point| smallest(point).map_or(f64::NAN, |(gap, _)| gap)).collect()
 }
 
+/// Where the offsets of a point of contact are.
+pub(super) fn offsets_of(engine: &Engine, point: &ClosedPoint) -> Vec<usize> {
+    let Some(side) = &engine.contact else { return Vec::new() };
+    let of_place = |place: &TouchPlace| match *place {
+        TouchPlace::Pair([a, b]) => {
+            let both = [(a, b), (b, a)].into_iter();
+            let towards =
+                |(own, other): (usize, usize)| side.nodes[own].map(|node| side.offsets.index(&side.set, node, other));
+            both.flat_map(towards).collect::<Vec<_>>()
+        }
+        TouchPlace::Surface(segment, surface) => {
+            side.nodes[segment].map(|node| side.offsets.index_of_surface(node, surface)).to_vec()
+        }
+    };
+    let mut all: Vec<usize> = point.places.iter().flat_map(of_place).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
 /// Sum of the forces of all contacts \[F\], by a residual with zones.
 pub(super) fn total_force(engine: &Engine, residual: &Residual) -> f64 {
     engine.contact.as_ref().map_or(0.0, |side| parts(side, residual).iter().map(|part| part.force).sum())
@@ -264,9 +288,11 @@ pub(super) fn gap_rates(engine: &Engine, contacts: &[Touching], residual: &Resid
         let Some(&contact) = owner.get(&pair([term.slave, term.master])) else { continue };
         let (segments, nodes) = ([term.slave, term.master], side.nodes_of(term));
         let cubics = segments.map(|segment| &side.set.segments[segment]);
-        rates[contact].extend(gap_gradients(term, cubics).map(|(rate, stiffness)| {
+        rates[contact].extend(gap_gradients(term, cubics).map(|(rate, stiffness, [u, v])| {
             let rate = at_nodes(&nodes, &rate);
-            GapRate { rate, stiffness, rods: segments.map(rod), surface: None, is_point: false }
+            let normal = (cubics[0].point(u) - cubics[1].point(v)).normalize();
+            let on = [Some((segments[0], u)), Some((segments[1], v))];
+            GapRate { rate, stiffness, rods: segments.map(rod), surface: None, is_point: false, on, normal }
         }));
     }
     for contact in &residual.surface_contacts {
@@ -276,7 +302,8 @@ pub(super) fn gap_rates(engine: &Engine, contacts: &[Touching], residual: &Resid
         rates[index].extend(contact.gap_gradients(&side.set).map(|(point, stiffness)| {
             let rate = at_nodes(&nodes[..count], &point.gap_gradient);
             let by = PushedBy { obstacle: contact.surface, sign: surface.sign, normal: point.normal, at: point.at };
-            GapRate { rate, stiffness, rods: [rod(contact.segment), None], surface: Some(by), is_point: false }
+            let (rods, on) = ([rod(contact.segment), None], [Some((contact.segment, point.u)), None]);
+            GapRate { rate, stiffness, rods, surface: Some(by), is_point: false, on, normal: point.normal }
         }));
     }
     rates

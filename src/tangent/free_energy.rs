@@ -78,7 +78,12 @@ impl Harmonic {
         InputError::positive("thermal_energy", thermal_energy)?;
         let refuse = |reason: &str| Err(InputError::inconsistent("state", reason));
         if self.num_unstable > 0 {
-            return refuse("is unstable: it has no harmonic free energy");
+            return refuse(match self.contacts {
+                ContactResponse::Free => {
+                    "is unstable where its contacts are free: it has no bound of the free energy with these"
+                }
+                ContactResponse::ByLaw | ContactResponse::Locked => "is unstable: it has no harmonic free energy",
+            });
         }
         let Some(locks) = &self.locks else {
             return refuse("touches along lines, whose widths are not known: only its bound with free contacts is");

@@ -9,6 +9,7 @@
 //! | `observables` | [`Observable`]: numbers of a state and their gradients |
 //! | `sensitivity` | [`EquilibriumTangent::gradient`]: their derivatives with respect to what is prescribed, [`PrescribedNumber`] |
 //! | `tables` | [`EquilibriumTangent::gradient_of_table`]: the same with respect to each row of a table, each step of a sequence |
+//! | `thermal_slope` | [`EquilibriumTangent::thermal_slope`]: slopes of free energies: extension, torque at a thermal energy |
 //! | `validity` | [`EquilibriumTangent::anharmonicity`]: how far harmonic terms hold |
 //! | `krylov` | the softest eigenvalues of a pencil: block Lanczos on the inverse |
 //!
@@ -23,6 +24,7 @@ mod modes;
 mod observables;
 mod sensitivity;
 mod tables;
+mod thermal_slope;
 mod validity;
 
 pub use contact::ContactResponse;
@@ -30,6 +32,7 @@ pub use free_energy::{Harmonic, ZeroMode};
 pub use modes::{Mode, Modes, Participation};
 pub use observables::Observable;
 pub use sensitivity::PrescribedNumber;
+pub use thermal_slope::ThermalSlope;
 pub use validity::VOID;
 
 use contact::{ClosedPoint, GapRate, Touching};

@@ -24,6 +24,7 @@ use super::observables::{Observable, of_node, of_rod};
 use super::{ContactResponse, EquilibriumTangent, contact};
 use crate::error::InputError;
 use crate::math::Vec3;
+use crate::math::bernstein::cubic_weights;
 use crate::rod::RodNumber;
 use crate::scene::model::unit;
 use crate::scene::{Model, NodeRef, ObstacleNumber};
@@ -35,7 +36,7 @@ use crate::solve::{RunError, State};
 const STEP: f64 = 1e-3;
 /// The same of a length where strands touch, because it moves the contact curve, and of a radius or an obstacle over the
 /// overlap of the weakest contact: a force goes as the overlap to the power 3/2, whose difference of fourth order is then
-/// right to 1e-9.
+/// right to 1e-9. Where offsets keep the overlaps, it is that of the change of an overlap to second order, h²/ε.
 const STEP_OF_GAPS: f64 = 1e-2;
 /// Force of a contact, over the largest, below which it is about to open: a per mille change of what is prescribed may do.
 const WEAK: f64 = 1e-3;
@@ -168,7 +169,7 @@ impl PrescribedNumber {
     }
 
     /// Refuses what is not there, and numbers that ramps refuse.
-    fn check(&self, engine: &Engine) -> Result<(), InputError> {
+    pub(super) fn check(&self, engine: &Engine) -> Result<(), InputError> {
         let model = engine.model();
         let closed = |rod: usize| model.rods.get(rod).map(|rod| rod.closed);
         let is_node = |node: &NodeRef| model.rods.get(node.rod).is_some_and(|rod| node.node < rod.num_nodes());
@@ -199,7 +200,7 @@ impl PrescribedNumber {
     }
 
     /// The engine's state with the parameter changed, nodes as they are.
-    fn changed(&self, engine: &Engine, by: f64) -> State {
+    pub(super) fn changed(&self, engine: &Engine, by: f64) -> State {
         let mut state = engine.state().clone();
         match self {
             Self::Number { rod, which } => {
@@ -241,9 +242,8 @@ impl PrescribedNumber {
         }
     }
 
-    /// Step of differences; `overlap` of the weakest contact \[L\], if there is any.
-    fn step(&self, engine: &Engine, overlap: Option<f64>) -> f64 {
-        let near = overlap.map(|overlap| STEP_OF_GAPS * overlap);
+    /// Step of differences; `near` is that of lengths that change gaps \[L\], where there are any.
+    pub(super) fn step(&self, engine: &Engine, near: Option<f64>) -> f64 {
         match self {
             Self::Number { rod, which } => {
                 let rod = &engine.model().rods[*rod];
@@ -266,7 +266,7 @@ impl PrescribedNumber {
     }
 
     /// The motion of a node per unit.
-    fn motion(&self, engine: &Engine) -> Option<(usize, Vec3, Vec3)> {
+    pub(super) fn motion(&self, engine: &Engine) -> Option<(usize, Vec3, Vec3)> {
         let index = |node: &NodeRef| engine.first_node[node.rod] + node.node;
         match self {
             Self::Displacement { node, direction } => Some((index(node), unit(direction), Vec3::zeros())),
@@ -313,7 +313,21 @@ fn difference(step: f64, mut at: impl FnMut(f64) -> Vec<f64>) -> Vec<f64> {
     (0..a.len()).map(|i| (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * step)).collect()
 }
 
-/// Rates per unit of a parameter at fixed unknowns and offsets.
+/// Does some work with offsets that are changed at their rates.
+fn with_offsets<R>(engine: &mut Engine, (rates, by): (&[(usize, f64)], f64), work: impl FnOnce(&mut Engine) -> R) -> R {
+    let before = engine.contact.as_ref().map(|side| side.offsets.clone());
+    if let Some(side) = &mut engine.contact {
+        rates.iter().for_each(|(index, rate)| side.offsets.values[*index] += by * rate);
+    }
+    let result = work(engine);
+    if let Some((side, before)) = engine.contact.as_mut().zip(before) {
+        side.offsets = before;
+    }
+    result
+}
+
+/// Rates per unit of a parameter at fixed unknowns and offsets, or along a change of the offsets of points that stay closed, which
+/// cancels.
 #[derive(Default)]
 struct Rate {
     /// Of the gradient of the potential.
@@ -347,7 +361,7 @@ impl EquilibriumTangent<'_> {
     /// dq/dp for each parameter.
     ///
     /// # Errors
-    /// Observables and parameters that the model does not have; a length where lines of contact are locked.
+    /// Observables and parameters that the model does not have.
     pub fn gradient(&mut self, of: &Observable, to: &[PrescribedNumber]) -> Result<Vec<f64>, RunError> {
         let adjoint = self.adjoint(of)?;
         let (mut all, mut here) = (Vec::new(), None);
@@ -410,17 +424,18 @@ impl EquilibriumTangent<'_> {
         }
         let of = of.filter(|of| !matches!(of, Observable::Reaction { .. } | Observable::ContactForce));
         let touches = parameter.touches() && self.engine.contact.as_ref().is_some_and(|side| side.is_near());
-        let locks_lines = self.choice == ContactResponse::Locked && self.contacts.iter().any(|c| !c.is_point);
-        let is_length =
-            matches!(parameter, PrescribedNumber::Number { which, .. } if which.contains(&RodNumber::Length));
-        if is_length && locks_lines {
-            let reason = "cannot be differentiated by where lines of contact are locked: it moves them along the rod";
-            return Err(InputError::inconsistent("length", reason).into());
-        }
         if parameter.is_linear() && !touches {
             return Ok(self.linear_rate(parameter, of, here));
         }
-        let step = parameter.step(self.engine, self.weakest_overlap());
+        let overlap = self.weakest_overlap();
+        let apart = touches && self.closed.len() == self.contacts.len();
+        let offsets = if apart { self.offsets_that_follow(parameter)? } else { Vec::new() };
+        let keeps_overlaps = !offsets.is_empty();
+        let near = overlap.map(|overlap| match &self.engine.contact {
+            Some(side) if keeps_overlaps => (STEP_OF_GAPS * overlap * side.min_radius).sqrt(),
+            _ => STEP_OF_GAPS * overlap,
+        });
+        let step = parameter.step(self.engine, near);
         let (num_closed, closed) = (self.closed.len(), &self.closed);
         let engine = &mut *self.engine;
         let mut failed: Option<RunError> = None;
@@ -436,7 +451,9 @@ impl EquilibriumTangent<'_> {
                 all
             };
             let found = match touches {
-                true => engine.at_state(&state, with_contact).map_err(RunError::from).and_then(|all| Ok(all?)),
+                true => with_offsets(engine, (&offsets, by), |engine| {
+                    engine.at_state(&state, with_contact).map_err(RunError::from).and_then(|all| Ok(all?))
+                }),
                 false => Ok(engine.residual_without_contact(&state).gradient),
             };
             let mut all = found.unwrap_or_else(|error| {
@@ -454,8 +471,42 @@ impl EquilibriumTangent<'_> {
         let contact_force = sums.pop().unwrap_or_default();
         let gaps = sums.split_off(6 * self.engine.num_nodes());
         let mut rate = Rate { forces: sums, gaps, contact_force, value };
-        self.add_changes(parameter, &mut rate);
+        let locks_lines = self.choice == ContactResponse::Locked && self.contacts.iter().any(|c| !c.is_point);
+        let is_length =
+            matches!(parameter, PrescribedNumber::Number { which, .. } if which.contains(&RodNumber::Length));
+        let curves = if is_length && locks_lines { self.rates_of_curves(parameter)? } else { Vec::new() };
+        self.add_changes(parameter, &curves, &mut rate);
         Ok(rate)
+    }
+
+    /// The changes of offsets with a parameter by which overlaps stay as they are at fixed unknowns; none where points share
+    /// offsets. A rate of the potential's
+    /// gradient along them has no part b, which cancels, and would be known to the rounding of gaps over the overlap only.
+    fn offsets_that_follow(&mut self, parameter: &PrescribedNumber) -> Result<Vec<(usize, f64)>, RunError> {
+        let near = self.weakest_overlap().map(|overlap| STEP_OF_GAPS * overlap);
+        let step = parameter.step(self.engine, near);
+        let (engine, closed) = (&mut *self.engine, &self.closed);
+        let mut failed: Option<RunError> = None;
+        let rates = difference(step, |by| {
+            let state = parameter.changed(engine, by);
+            let found = engine.at_state(&state, |engine| contact::gaps_of(engine, closed, &engine.residual(&state)));
+            found.map_err(RunError::from).and_then(|all| Ok(all?)).unwrap_or_else(|error| {
+                failed = Some(error);
+                vec![0.0; closed.len()]
+            })
+        });
+        if let Some(error) = failed {
+            return Err(error);
+        }
+        let mut all = std::collections::BTreeMap::new();
+        for (point, rate) in closed.iter().zip(rates) {
+            for index in contact::offsets_of(engine, point) {
+                if all.insert(index, rate).is_some() {
+                    return Ok(Vec::new());
+                }
+            }
+        }
+        Ok(all.into_iter().collect())
     }
 
     /// Rates with respect to what elements and loads are linear in: one residual each.
@@ -477,15 +528,36 @@ impl EquilibriumTangent<'_> {
         Rate { forces, gaps: vec![0.0; self.closed.len()], contact_force: 0.0, value }
     }
 
-    /// What the changes of the chosen response add to rates by the law: of points that stay closed nothing, because their
-    /// offsets take it up.
-    fn add_changes(&self, parameter: &PrescribedNumber, rate: &mut Rate) {
+    /// Rates of the control points of all contact curves with a length, nodes as they are.
+    fn rates_of_curves(&mut self, parameter: &PrescribedNumber) -> Result<Vec<[Vec3; 4]>, RunError> {
+        let step = parameter.step(self.engine, Some(0.0));
+        let engine = &mut *self.engine;
+        let mut failed: Option<RunError> = None;
+        let rates = difference(step, |by| {
+            let state = parameter.changed(engine, by);
+            let points = |engine: &Engine| -> Vec<f64> {
+                let segments = engine.contact.iter().flat_map(|side| &side.set.segments);
+                segments.flat_map(|segment| segment.b).flat_map(|b| [b.x, b.y, b.z]).collect()
+            };
+            let found = engine.at_state(&state, points).map_err(RunError::from).and_then(|all| Ok(all?));
+            found.unwrap_or_else(|error| {
+                failed = Some(error);
+                Vec::new()
+            })
+        });
+        let of_segment = |b: &[f64]| std::array::from_fn(|m| Vec3::new(b[3 * m], b[3 * m + 1], b[3 * m + 2]));
+        failed.map_or_else(|| Ok(rates.chunks_exact(12).map(of_segment).collect()), Err)
+    }
+
+    /// What the changes of the chosen response add to rates by the law, `curves` those of the curves that move at fixed unknowns:
+    /// of points that stay closed nothing, because their offsets take it up.
+    fn add_changes(&self, parameter: &PrescribedNumber, curves: &[[Vec3; 4]], rate: &mut Rate) {
         let mut forces = vec![0.0; rate.forces.len()];
         for gap in contact::changes(self.choice, &self.contacts, &self.rates) {
             if gap.is_point && !self.closed.is_empty() {
                 continue;
             }
-            let force = gap.stiffness * parameter.closing(self.engine, &gap);
+            let force = gap.stiffness * (parameter.closing(self.engine, &gap) + gap.closing_by(curves));
             rate.contact_force += force;
             for (node, six) in &gap.rate {
                 (0..6).for_each(|k| forces[6 * node + k] -= force * six[k]);
@@ -565,6 +637,18 @@ impl EquilibriumTangent<'_> {
 fn along(rate: &[(usize, [f64; 6])], (node, displacement, rotation): (usize, Vec3, Vec3)) -> f64 {
     let of_six = |six: &[f64; 6]| (0..3).map(|k| six[k] * displacement[k] + six[3 + k] * rotation[k]).sum::<f64>();
     rate.iter().filter(|(own, _)| *own == node).map(|(_, six)| of_six(six)).sum()
+}
+
+impl GapRate {
+    /// By how much it closes as curves move at these rates.
+    fn closing_by(&self, curves: &[[Vec3; 4]]) -> f64 {
+        let of_strand = |(place, sign): (&Option<(usize, f64)>, f64)| {
+            let (segment, u) = (*place)?;
+            let moved: Vec3 = cubic_weights(u).iter().zip(curves.get(segment)?).map(|(w, b)| b * *w).sum();
+            Some(-sign * self.normal.dot(&moved))
+        };
+        self.on.iter().zip([1.0, -1.0]).filter_map(of_strand).sum()
+    }
 }
 
 impl contact::ClosedPoint {

@@ -55,7 +55,7 @@ fn modes_free_energies_and_sensitivities_of_runs() {
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
     let number = |after: &str| -> f64 {
         let rest = text.split(after).nth(1).unwrap();
-        rest.trim_start().split([',', ' ']).next().unwrap().parse().unwrap()
+        rest.trim_start().split([',', ' ', '\n']).next().unwrap().parse().unwrap()
     };
     let elastic = 2.0 * PI * PI * 1.5 * (0.16 - 0.04) / 0.02;
     let thermal = number("free energy") - number("potential");
@@ -78,6 +78,8 @@ fn modes_free_energies_and_sensitivities_of_runs() {
     assert!(glb.metadata().unwrap().len() > 1000);
     assert!(printed.contains(asked.lines().nth(2).unwrap()), "{asked}");
     assert!(plain.join("modes.vtp").exists() && plain.join("modes.html").exists());
+    // the scene wants no pictures
+    assert!(!plain.join("modes.png").exists());
     let asked = said(&["sensitivity", plain.to_str().unwrap(), "--of", "energy,twist:ring", "--to", "link,twisting"]);
     assert!(asked.lines().filter(|line| printed.contains(line)).count() == 4, "{asked}");
     assert_eq!(table(&plain.join("sensitivities.csv")).1.len(), 4);
@@ -89,6 +91,16 @@ fn modes_free_energies_and_sensitivities_of_runs() {
     assert!(!out.status.success() && String::from_utf8_lossy(&out.stderr).contains("six fewer"));
     let out = supercoil(&["modes", std::env::temp_dir().join("no_such_run").to_str().unwrap()]);
     assert!(!out.status.success() && String::from_utf8_lossy(&out.stderr).contains("no final state"));
+    // standard deviations, and slopes, of one run: what is twist is not writhe
+    let asked = said(&["free-energy", plain.to_str().unwrap(), "--of", "twist,writhe", "--to", "link", "--kT", "0.02"]);
+    let after = |name: &str, text: &str| -> f64 {
+        let line = asked.lines().find(|line| line.starts_with(name)).unwrap();
+        line.split(text).nth(1).unwrap().split_whitespace().next().unwrap().parse().unwrap()
+    };
+    assert!((after("twist", "= ") - 0.4).abs() < 1e-5, "{asked}");
+    assert!((after("twist", "± ") / after("writhe", "± ") - 1.0).abs() < 1e-3, "{asked}");
+    let slope = (p(1.5 * 0.401).ln() - p(1.5 * 0.399).ln()) / 0.002;
+    assert!((after("d(free energy)/d(link)", " (") / 0.02 - slope).abs() < 0.1, "{asked} {slope}");
     // units are not nm and pN: kT is not known
     let out = supercoil(&command[..3]);
     assert!(!out.status.success() && String::from_utf8_lossy(&out.stderr).contains("kT"));
@@ -102,10 +114,12 @@ fn frequencies_of_a_wire() {
                  section = { bending = 500.0, twisting = 400.0, stretching = 1e6, shearing = 1e6, contact_radius = 0.0 }\n\
                  [[supports]]\nat = \"start\"\nposition = true\nrotation = [\"x\"]\n\
                  [[supports]]\nat = \"end\"\nposition = true\n\
-                 [output]\npicture = false\nmodes = 1\n";
+                 [output]\nmodes = 1\n";
     let (code, printed, error) = run(&dir, scene);
     assert_eq!(code, 0, "{error}");
     let found = summary(&dir)["modes"]["frequencies"][0].as_f64().unwrap();
+    let picture = std::fs::read(dir.join("out/modes.png")).unwrap();
+    assert!(picture.len() > 1000, "{}", picture.len());
     let exact = PI / 2.0 * (500.0 / (0.02 / 100.0 * 1e8_f64)).sqrt();
     assert!((found / exact - 1.0).abs() < 1e-3 && printed.contains("frequency"), "{found} {exact}");
 }

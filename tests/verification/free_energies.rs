@@ -20,6 +20,7 @@ use crate::common;
 use common::{any_equilibrium, end_of, verify};
 use std::f64::consts::{PI, TAU};
 use supercoil::math::{Quat, Vec3};
+use supercoil::nalgebra::Complex;
 use supercoil::rod::{Natural, Rod, RodMesh, RodNumber, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Obstacle, Ramp, Support};
 use supercoil::solve::{Options, Solver, Status};
@@ -71,9 +72,11 @@ fn twisted_ring() {
     }
 }
 
+/// GJ of [`clamped`].
+const TWISTING: f64 = 1.3;
+
 /// A straight rod between clamps, the far one free along the axis, under tension and turned until it bears a moment.
 fn clamped(tension: f64, moment: f64, elements: usize) -> Solver {
-    const TWISTING: f64 = 1.3;
     let section = Section::isotropic(1.0, TWISTING, RIGID, RIGID, 0.0);
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
     let rod = Rod::new("rod", &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
@@ -128,6 +131,51 @@ fn strong_stretching() {
     let slope = limit(|elements| (of(925.0, elements) - of(875.0, elements)) / 50.0);
     let exact = 0.5 / 900.0_f64.sqrt();
     verify("strong stretching, TL²/B = 900", "1 − z/L over kT", slope, exact, 0.12 * exact);
+}
+
+/// A molecule between clamps, as in tweezers: its extension and its torque at kT are −∂F/∂T and ∂F/∂(turns)/2π. Under the tension T and
+/// the moment M the determinant's ratio is |g′² − g g″|² of g that starts from the clamp with g‴ = 1: exponents a, b = ½iM ± √(T − ¼M²)
+/// and 0 twice, g = (e^{as}/a² − e^{bs}/b²)/(a − b) + s/ab + (a + b)/(ab)². For long rods, √(T − ¼M²) of it, that is the shortening
+/// of Marko & Siggia (1995) and the softening of Moroz & Nelson (1997), 1/C + kT/(4B√(BT)).
+#[test]
+fn extension_and_torque_at_a_temperature() {
+    const KT: f64 = 0.004;
+    let log_ratio = |tension: f64, moment: f64| {
+        let root = Complex::new(tension - 0.25 * moment * moment, 0.0).sqrt();
+        let (a, b) = (Complex::new(0.0, 0.5 * moment) + root, Complex::new(0.0, 0.5 * moment) - root);
+        let term = |k: i32| (a.exp() * a.powi(k - 2) - b.exp() * b.powi(k - 2)) / (a - b);
+        let g = term(0) + (a * b).inv() + (a + b) / (a * b).powi(2);
+        let (slope, second) = (term(1) + (a * b).inv(), term(2));
+        (slope * slope - g * second).norm().ln()
+    };
+    let difference = |f: &dyn Fn(f64) -> f64, at: f64, step: f64| (f(at + step) - f(at - step)) / (2.0 * step);
+    for (tension, moment) in [(100.0, 0.0), (100.0, 4.0)] {
+        let turned = |elements: usize| PrescribedNumber::Rotation {
+            node: NodeRef { rod: 0, node: 3 * elements },
+            axis: Vec3::x(),
+        };
+        let slope = |elements: usize, to: &PrescribedNumber| {
+            let mut solver = clamped(tension, moment, elements);
+            EquilibriumTangent::thermal_slope(&mut solver, to, (ContactResponse::ByLaw, KT)).unwrap()
+        };
+        let case = format!("tweezers, TL²/B = {tension}, ML/B = {moment}");
+        let of_load = slope(32, &PrescribedNumber::Load);
+        let length = 1.0 + tension / RIGID;
+        verify(&case, "extension without heat", -of_load.of_potential / tension, length, 1e-5);
+        let shorter = limit(|elements| slope(elements, &PrescribedNumber::Load).by_heat / (tension * KT));
+        let exact = difference(&|tension| log_ratio(tension, moment), tension, 1e-3 * tension);
+        verify(&case, "shortening over kT", shorter, exact, 2e-3 * exact);
+        let torque = slope(32, &turned(32)).of_potential / TAU;
+        verify(&case, "torque without heat", torque, moment, 1e-5);
+        let softer = limit(|elements| slope(elements, &turned(elements)).by_heat / (TAU * KT));
+        let exact = TWISTING * difference(&|moment| log_ratio(tension, moment), moment, 1e-3);
+        verify(&case, "change of the torque over kT", softer, exact, 2e-3 * exact.abs() + 1e-6);
+        if moment > 0.0 {
+            // a rod without ends
+            let print = -TWISTING * moment / (4.0 * tension.sqrt());
+            verify(&case, "softening of Moroz & Nelson", exact, print, 4.0 / tension.sqrt() * print.abs());
+        }
+    }
 }
 
 #[test]

@@ -9,7 +9,8 @@
 //!   pressure is T/ρ. A long free end has ½B κ² = W (1 − cos θ), θ its angle with the weight. Curvature is continuous where it
 //!   lifts off: cos θ = 1 − B/(2 W ρ²). There T = W cos θ, and the cylinder pushes with W sin θ at the one point, because shear is W
 //!   sin θ beyond and zero on the arc, whose half angle is ½π − θ. The pressure in all is 2 (T (½π − θ) + W sin θ); its sum as
-//!   vectors is 2W.
+//!   vectors is 2W. Beyond, ds = dφ/κ(φ) from φ = θ on, so that the end hangs ρ cos θ + 2√(B/W) sin ½θ beside the axle and, s long from
+//!   where it lifts off, s − 2√(B/W) (1 − cos ½θ) − ρ sin θ below it, longer by W/EA.
 //! * A ring in a sphere that is made smaller than it: as long as it is a circle, on a great circle, its energy is as about the
 //!   cylinder, with λ < 1. A wave w cos nφ across has the geodesic curvature w (1 − n²)/ρ² and lengthens the ring by
 //!   ½w² (n² − 1)/ρ² a length. Its energy, ½B times the square of the curvature per reference length and ½EA (λ − 1)²,
@@ -37,16 +38,31 @@ use std::path::Path;
 use crate::common::{root, verify};
 use crate::planes;
 
+use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::{Observation, SiteKind};
 use supercoil::scene::Scene;
-use supercoil::solve::{self, Options, Status};
+use supercoil::solve::{self, Options, Solution, Status};
 
 /// All steps of a scene, each with its certificate.
 fn steps(text: &str) -> Vec<Observation> {
     let seen = planes::steps(text);
     seen.iter().for_each(|step| assert_eq!(step.status, "converged", "{}", step.certificate));
     seen
+}
+
+/// The end of a scene, with its certificate.
+fn last(text: &str) -> (Solution, Observation) {
+    let scene = Scene::from_toml(text, Path::new("")).unwrap();
+    let mut last = None;
+    let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
+        last = Some(observe(progress));
+        ControlFlow::Continue(())
+    });
+    let (solution, last) = (solution.unwrap(), last.unwrap());
+    assert_eq!(solution.status, Status::Converged);
+    assert_eq!(last.status, "converged", "{}", last.certificate);
+    (solution, last)
 }
 
 /// A closed ring of radius 1, EA = 1000, in the x-y plane.
@@ -83,8 +99,7 @@ fn a_rope_over_a_pulley_lifts_off_where_its_curvature_says() {
          [[stages]]\nramp = {{ load = 1.0 }}\nsteps = 10\n",
         down = -weight,
     );
-    let seen = steps(&text);
-    let last = &seen[seen.len() - 1];
+    let (solution, last) = last(&text);
     let angle = (1.0 - bending / (2.0 * weight * rho * rho)).acos();
     let (tension, half) = (weight * angle.cos(), FRAC_PI_2 - angle);
     let all = 2.0 * (tension * half + weight * angle.sin());
@@ -95,6 +110,30 @@ fn a_rope_over_a_pulley_lifts_off_where_its_curvature_says() {
     let (from, to) =
         lines.iter().fold((f64::INFINITY, 0.0f64), |(from, to), site| (from.min(site.arc[0]), to.max(site.arc[1])));
     verify("rope over a pulley", "arc on the pulley", to - from, 2.0 * rho * half, 0.05);
+    let engine = solution.solver.engine();
+    let (points, fields) = (&engine.state().positions, engine.nodal_fields(0));
+    let free = 4.3 - rho * half;
+    let end = points[points.len() - 1];
+    let across = 2.0 * (bending / weight).sqrt();
+    let beside = rho * angle.cos() + across * (0.5 * angle).sin();
+    verify("rope over a pulley", "end beside the axle", end.x, beside, 1e-4);
+    let below = free * (1.0 + weight / 1e5) - across * (1.0 - (0.5 * angle).cos()) - rho * angle.sin();
+    verify("rope over a pulley", "end below the axle", -end.y, below, 2e-4);
+    // away from the points where it lifts off
+    let on_it = |p: &Vec3| p.y > rho * (0.7 * half).cos();
+    let (mut even, mut pressed) = ([f64::INFINITY, 0.0f64], Vec::new());
+    for (k, p) in points.iter().enumerate().filter(|(_, p)| on_it(p)) {
+        let along = Vec3::new(p.y, -p.x, 0.0).normalize();
+        let pull = fields.internal_force[k].dot(&along);
+        even = [even[0].min(pull), even[1].max(pull)];
+        pressed.push(fields.contact_force[k].norm());
+    }
+    for (name, found) in [("least", even[0]), ("largest", even[1])] {
+        verify("rope over a pulley", &format!("{name} tension on it"), found, tension, 1e-3 * tension);
+    }
+    // from node to node it has the ripples of the mesh
+    let mean = pressed.iter().sum::<f64>() / pressed.len() as f64;
+    verify("rope over a pulley", "mean pressure, T/ρ", mean, tension / rho, 5e-3 * tension);
     // 5 N hold 5 N: the post at the middle bears nothing along x
     assert!(last.reactions[0].force[0].abs() < 1e-6 * weight, "{:?}", last.reactions);
 }
@@ -157,16 +196,7 @@ fn a_rod_in_a_tube_buckles_to_a_helix() {
              [[stages]]\nramp = {{ rotation = {{ at = \"end\", axis = [0, 0, 1], turns = {turns:?} }} }}\nsteps = 2\n\
              [[stages]]\nramp = {{ displacement = {{ at = \"end\", to = [0, 0, -0.5] }} }}\nsteps = 4\n"
         );
-        let scene = Scene::from_toml(&text, Path::new("")).unwrap();
-        let mut last = None;
-        let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
-            last = Some(observe(progress));
-            ControlFlow::Continue(())
-        })
-        .unwrap();
-        let last = last.unwrap();
-        assert_eq!(solution.status, Status::Converged);
-        assert_eq!(last.status, "converged", "{}", last.certificate);
+        let (solution, last) = last(&text);
         let engine = solution.solver.engine();
         let points = &engine.state().positions;
         let [.., end] = &last.reactions[..] else { panic!("{:?}", last.reactions) };

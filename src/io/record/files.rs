@@ -25,10 +25,11 @@ pub(super) const WRITHE: &str = "writhe.svg";
 pub(in crate::io) const VIEW: &str = "view.html";
 pub(super) const MODES: &str = "modes.vtp";
 pub(super) const MODES_PAGE: &str = "modes.html";
+pub(super) const MODES_PICTURE: &str = "modes.png";
 pub(super) const SENSITIVITIES: &str = "sensitivities.csv";
 
 /// All files except those of single steps and those that explain columns.
-const ALL: [&str; 17] = [
+const ALL: [&str; 18] = [
     COLLECTION,
     TABLE,
     FINAL_STATE,
@@ -43,6 +44,7 @@ const ALL: [&str; 17] = [
     VIEW,
     MODES,
     MODES_PAGE,
+    MODES_PICTURE,
     SENSITIVITIES,
     FINAL_STATE_BITS,
     SCENE,

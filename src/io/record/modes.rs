@@ -122,8 +122,16 @@ impl Record {
         let numbers = names.iter().zip(modes.eigenvalues()).map(|([_, _, name], value)| (name.as_str(), value));
         let files = [files::MODES, files::MODES_PAGE].map(|name| self.dir.join(name));
         write_vtp(&files[0], &rods, &VtkStep { numbers: numbers.collect(), units: Vec::new() })?;
-        self.film_of_modes(frame, modes).save_page(&files[1])?;
-        Ok(files.into())
+        let film = self.film_of_modes(frame, modes);
+        film.save_page(&files[1])?;
+        let mut written = Vec::from(files);
+        if self.output.picture {
+            let at = |k: usize| film.frames[k].rods.iter().map(|rod| rod.points.clone()).collect::<Vec<_>>();
+            let far = |(k, value): (usize, f64)| (at(k * SWING + SWING / 4), format!("mode {}: {value:.4e}", k + 1));
+            let ends: Vec<_> = modes.eigenvalues().enumerate().map(far).collect();
+            written.push(self.write_picture_of_modes(&at(0), &ends)?);
+        }
+        Ok(written)
     }
 
     /// Each mode through a swing, one after the other.

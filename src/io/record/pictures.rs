@@ -1,6 +1,7 @@
 //! Pictures of a run: final shape, film strip, writhe against excess link.
 
 use std::f64::consts::TAU;
+use std::path::PathBuf;
 
 use crate::error::InputError;
 use crate::io::picture::camera::principal_axes;
@@ -72,6 +73,52 @@ impl Record {
         }
         film_strip(&stills, 3, [255; 3])?.save_png(&self.dir.join(files::FILM_STRIP))?;
         self.write_plot()
+    }
+
+    /// Writes a picture of each mode: the nodes of the rods at rest, grey, and at the end of a swing, with its caption.
+    pub(super) fn write_picture_of_modes(
+        &self,
+        rest: &[Vec<Vec3>],
+        ends: &[(Vec<Vec<Vec3>>, String)],
+    ) -> Result<PathBuf, InputError> {
+        const SWUNG: [u8; 3] = [62, 112, 178];
+        const AT_REST: [u8; 3] = [200, 200, 200];
+        let still = |rods: &[Vec<Vec3>]| {
+            let rod = |points: &Vec<Vec3>| {
+                let (radii, directions, values) = (Vec::new(), Vec::new(), Vec::new());
+                StillRod { points: points.clone(), radii, directions, values }
+            };
+            Still { step: 0, rods: rods.iter().map(rod).collect(), spots: Vec::new() }
+        };
+        let all: Vec<Still> = ends.iter().map(|(rods, _)| still(rods)).chain([still(rest)]).collect();
+        let axes = self.axes(&all.iter().collect::<Vec<_>>());
+        let rows = coordinates(&axes);
+        let radius = self.rods.iter().map(RodHead::radius).fold(0.0, f64::max);
+        let none = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
+        let points = all.iter().flat_map(|still| &still.rods).flat_map(|rod| &rod.points).map(|point| rows * point);
+        let region =
+            points.fold(none, |[low, high], p| [low.inf(&p.add_scalar(-radius)), high.sup(&p.add_scalar(radius))]);
+        let shown = extents(region, false);
+        let [width, height] = canvas(shown, FRAME);
+        let (center, visible_width) = (Some(middle(region, &axes, None)), Some(width_shown(shown, [width, height])));
+        let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };
+        let tubes = |rods: &[Vec<Vec3>], color: [u8; 3]| -> Vec<Tube> {
+            let tube = |(points, head): (&Vec<Vec3>, &RodHead)| {
+                let (points, radii, closed) = (points.clone(), vec![head.radius()], head.closed);
+                Tube { points, radii, closed, colors: vec![color], stripe: None }
+            };
+            rods.iter().zip(&self.rods).map(tube).collect()
+        };
+        let mut stills = Vec::new();
+        for (rods, caption) in ends {
+            let tubes = [tubes(rest, AT_REST), tubes(rods, SWUNG)].concat();
+            let drawn = TubePicture { tubes, view, ..TubePicture::default() };
+            let drawn = TubePicture { width, height, supersampling: 2, center, visible_width, ..drawn };
+            stills.push((drawn.render()?, caption.clone()));
+        }
+        let path = self.dir.join(files::MODES_PICTURE);
+        film_strip(&stills, 3, [255; 3])?.save_png(&path)?;
+        Ok(path)
     }
 
     /// Up to six frames evenly spread over the run, the last state always among them.

@@ -49,7 +49,7 @@ const DETAILS: &str = "# Verification, all rows\n\n\
     differ in the slenderness L/ε only, the one with the largest error over its tolerance is shown.\n";
 
 /// Headings, each with its test files; what is in none of them comes last.
-const GROUPS: [(&str, &[&str]); 6] = [
+const GROUPS: [(&str, &[&str]); 7] = [
     (
         "One rod",
         &[
@@ -98,6 +98,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
     ),
     ("Contact laws and Newton's method", &["contact_laws", "augmented_ring", "newton_orders", "held_motions"]),
     ("Topology", &["writhe_of_long_curves"]),
+    ("Modes, free energies, sensitivities", &["modes", "free_energies", "sensitivities"]),
     ("Other", &[]),
 ];
 
@@ -134,7 +135,7 @@ fn main() -> ExitCode {
     }
     let (summary, details) = (summary(&sections), details(&sections));
     if !wanted.is_empty() {
-        println!("\n{details}");
+        println!("\n{summary}\n{details}");
     } else {
         for (file, text) in [("VERIFICATION.md", summary), ("target/verification.md", details)] {
             if let Err(error) = std::fs::write(root.join(file), text) {

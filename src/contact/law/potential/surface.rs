@@ -462,7 +462,7 @@ impl SurfaceContact {
     fn touched(&self, set: &CurveSet, u: f64, normal: Vec3, arm: &Vec3) -> TouchedPoint {
         let weights = cubic_weights(u).map(|w| -normal * w);
         let gap_gradient = gradient(&handles(set, self.segment), &weights, &-arm.cross(&normal));
-        TouchedPoint { gap_gradient, at: set.segments[self.segment].point(u), normal }
+        TouchedPoint { u, gap_gradient, at: set.segments[self.segment].point(u), normal }
     }
 
     /// Σ W k e ∂gap/∂x by the ends of the segment where the term was evaluated, with these handles, and the node that carries
@@ -482,6 +482,8 @@ impl SurfaceContact {
 /// A point of a segment at a surface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TouchedPoint {
+    /// Its parameter.
+    pub(crate) u: f64,
     /// ∂gap/∂x by the ends of the segment and the node that carries the body.
     pub(crate) gap_gradient: [f64; 18],
     /// \[L\]
