@@ -6,7 +6,7 @@
 use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::problem::assembly::{Residual, Tangent};
-use crate::solve::problem::engine::{Engine, give_to_masters};
+use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::reduction::Reduction;
 use crate::solve::problem::sliding_constraint::SlidingConstraint;
@@ -19,8 +19,8 @@ use crate::sparse::{Factor, Pattern};
 /// Displacement and rotation of some nodes, or force and moment on them.
 pub(crate) type NodeVector = Vec<(usize, [f64; 6])>;
 
-/// Tangent and factor at the engine's state. Vectors have six numbers a node. Of joined nodes each has the motion of
-/// the first of them, and that one bears their forces.
+/// Tangent and factor at the engine's state. Vectors have six numbers a node. Joined nodes have the motions that
+/// they share, and their forces are those of the owners of the unknowns.
 #[derive(Debug)]
 pub(crate) struct Linearised {
     pattern: Pattern,
@@ -160,7 +160,7 @@ impl Engine {
 
     fn joined(&mut self, state: &State, loads: bool) -> Residual {
         let mut out = self.residual_of_numbers(state, loads);
-        give_to_masters(&mut out.gradient, &self.master);
+        out.bases.give_to_masters(&self.sharing, &mut out.gradient);
         out
     }
 }
