@@ -34,7 +34,7 @@ pub fn run(to: f64) -> Result<Summary, InputError> {
     let node = |rod, node| NodeRef { rod, node };
     let (last, loaded) = (60, 12); // 24 from the corner
     let supports = vec![Support::pin(node(0, 0)), Support::pin(node(1, last))];
-    let joints = vec![Joint { a: node(0, last), b: node(1, 0) }];
+    let joints = vec![Joint::rigid(node(0, last), node(1, 0))];
     let force = -Vec3::y() * (2.0 / 120f64.powi(2));
     let loads = vec![NodeLoad { node: node(1, loaded), force, moment: Vec3::zeros() }];
     let model = Model { rods, supports, joints, loads, contact: Contact::NONE, planar: true, ..Model::default() };

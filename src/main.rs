@@ -30,7 +30,7 @@ use supercoil::io::thermal::ThermalState;
 use supercoil::io::view::{self, GlbOptions, Quantity};
 use supercoil::observe::{StartOverlap, ending, start_overlaps};
 use supercoil::scene::file::{MOST_THREADS, TEMPLATES, help};
-use supercoil::scene::{Scene, Units};
+use supercoil::scene::{Joint, Scene, Units};
 use supercoil::solve::{Interrupt, Options, RunError, Solver, Status};
 use supercoil::{InputError, dna};
 
@@ -540,6 +540,14 @@ fn counted(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
+/// A count of joints, with their kinds.
+fn joints(all: &[Joint]) -> String {
+    let count = |name: &str| all.iter().filter(|joint| joint.kind.name() == name).count();
+    let kinds = [(count("rigid"), "rigid joint"), (count("pin"), "pin"), (count("hinge"), "hinge")];
+    let kinds: Vec<String> = kinds.iter().filter(|(k, _)| *k > 0).map(|(k, what)| counted(*k, what)).collect();
+    if kinds.is_empty() { counted(0, "joint") } else { kinds.join(", ") }
+}
+
 fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
     let scene = Scene::read_with(file, set)?;
     say(format_args!("{}: {}", file.display(), if scene.title.is_empty() { "no title" } else { &scene.title }));
@@ -549,9 +557,9 @@ fn check(file: &Path, set: &[String]) -> Result<u8, InputError> {
         say(format_args!("  rod {name}: {kind}, length {length} {unit}, {elements} elements of order {order}"));
     }
     let steps: usize = scene.stages.iter().map(|stage| stage.steps).sum();
-    let (supports, joints, stages) = (scene.model.supports.len(), scene.model.joints.len(), scene.stages.len());
-    let [supports, joints, stages] =
-        [(supports, "support"), (joints, "joint"), (stages, "stage")].map(|(count, what)| counted(count, what));
+    let (supports, stages) = (scene.model.supports.len(), scene.stages.len());
+    let [supports, stages] = [(supports, "support"), (stages, "stage")].map(|(count, what)| counted(count, what));
+    let joints = joints(&scene.model.joints);
     say(format_args!("  {supports}, {joints}, {stages} of {} in all", counted(steps, "step")));
     scene.expectations().iter().for_each(|line| say(format_args!("  {line}")));
     scene.notices.iter().for_each(|notice| say(format_args!("  note: {notice}")));

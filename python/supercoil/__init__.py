@@ -8,6 +8,7 @@ from ._sweep import SweepPlan, SweepResult, sweep
 from .errors import InputError, SolveError, SupercoilError
 from .scene import (
     EquilibriumPath,
+    Joint,
     LineLoad,
     Load,
     PathPoint,
@@ -33,6 +34,7 @@ __all__ = [
     "Equilibria",
     "EquilibriumPath",
     "InputError",
+    "Joint",
     "LineLoad",
     "Load",
     "Modes",

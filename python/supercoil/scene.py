@@ -108,12 +108,24 @@ class Support:
 
 
 @dataclass(kw_only=True)
+class Joint:
+    """Joins two nodes at one place, ``a`` and ``b``: ``{"rod": name, "at": …}`` with ``at`` as for :class:`Support`. ``kind``:
+    "rigid" (they share position and rotation), "pin" (position) or "hinge" (position, and rotation but about ``axis`` (3,), given
+    in space by the initial shapes)."""
+
+    a: Table
+    b: Table
+    kind: Literal["rigid", "pin", "hinge"] | None = None
+    axis: Vector | None = None
+
+
+@dataclass(kw_only=True)
 class Load:
     """Dead ``force`` (3,) [F] and ``moment`` (3,) [F·L] at a node of ``rod``, times the load factor of the stages. ``at`` as for
-    :class:`Support`."""
+    :class:`Support`; each rod of a list bears the whole load."""
 
     at: str | int | Table
-    rod: str | None = None
+    rod: str | list[str] | None = None
     force: Vector | None = None
     moment: Vector | None = None
 
@@ -121,11 +133,11 @@ class Load:
 @dataclass(kw_only=True)
 class LineLoad:
     """Dead ``force`` (3,) [F/L] and ``moment`` (3,) [F] per reference length on a whole ``rod``, times the load factor of the
-    stages."""
+    stages; each rod of a list bears the whole load."""
 
     force: Vector | None = None
     moment: Vector | None = None
-    rod: str | None = None
+    rod: str | list[str] | None = None
 
 
 @dataclass(kw_only=True)
@@ -228,7 +240,7 @@ class Scene:
         *,
         stages: Stage | Sequence[Stage] = (),
         supports: Support | Sequence[Support] = (),
-        joints: Sequence[Table] = (),
+        joints: Joint | Table | Sequence[Joint | Table] = (),
         loads: Load | Sequence[Load] = (),
         line_loads: LineLoad | Sequence[LineLoad] = (),
         planes: Plane | Sequence[Plane] = (),

@@ -209,6 +209,12 @@ class State:
         return list(self.observation["obstacle_reactions"])
 
     @property
+    def joints(self) -> list[dict[str, Any]]:
+        """Forces [F] and moments [F·L] that joints exert on the rods, one entry for each joined node: ``point``, ``rod``, ``node``,
+        ``force``, ``moment``. Those of one ``point`` add up to zero; a pin has no moment, a hinge none about its axis."""
+        return list(self.observation["joints"])
+
+    @property
     def reactions(self) -> list[dict[str, Any]]:
         """Reactions of the supports: ``rod``, ``node``, ``force`` [F], ``moment`` [F·L]."""
         return list(self.observation["reactions"])

@@ -10,7 +10,21 @@ import numpy as np
 import pytest
 
 import supercoil
-from supercoil import InputError, LineLoad, Load, Obstacle, Plane, Rod, Scene, Stage, SupercoilError, Support, contact, dna
+from supercoil import (
+    InputError,
+    Joint,
+    LineLoad,
+    Load,
+    Obstacle,
+    Plane,
+    Rod,
+    Scene,
+    Stage,
+    SupercoilError,
+    Support,
+    contact,
+    dna,
+)
 from supercoil._inputs import schema
 
 ROOT = Path(__file__).parents[2]
@@ -242,9 +256,34 @@ def test_beads_and_grips_are_obstacles_of_their_rod() -> None:
         Scene(rod, supports=[Support(at="start", position=True, rotation=True, grip="long")])  # type: ignore[arg-type]
 
 
+def test_joints_bear_forces() -> None:
+    section = {"bending": 1.0, "twisting": 1.0, "stretching": 1e4, "shearing": 1e4, "contact_radius": 0.0}
+    rods = [
+        Rod(name=name, elements=4, section=section, shape={"kind": "line", "start": [x, 0, 0], "length": 1.0})
+        for name, x in (("a", 0.0), ("b", 1.0))
+    ]
+    clamp = Support(rod="a", at="start", position=True, rotation=True)
+    load = Load(rod=["b"], at="end", force=(0.0, 0.0, -0.1))
+
+    def moment(**more: Any) -> Any:
+        joint = Joint(a={"rod": "a", "at": "end"}, b={"rod": "b", "at": "start"}, **more)
+        on_a, on_b = Scene(rods, supports=[clamp], joints=[joint], loads=[load]).run().state.joints
+        assert (on_a["rod"], on_b["rod"], on_a["point"], on_b["point"]) == (0, 1, 0, 0)
+        assert np.allclose(on_b["force"], [0, 0, 0.1], atol=1e-9)
+        assert np.allclose(np.add(on_a["moment"], on_b["moment"]), 0, atol=1e-9)
+        return on_b["moment"]
+
+    assert moment()[1] == pytest.approx(-0.1, rel=0.1)
+    assert moment(kind="hinge", axis=(0, 0, 1))[1] == pytest.approx(-0.1, rel=0.1)
+    assert np.allclose(moment(kind="pin"), 0, atol=1e-9)
+    with pytest.raises(InputError, match="axis"):
+        moment(kind="hinge")
+
+
 KEYS = {
     Rod: ("RodText", {"points", "frames"}),
     Support: ("SupportText", set()),
+    Joint: ("JointText", set()),
     Load: ("LoadText", set()),
     LineLoad: ("LineLoadText", set()),
     Plane: ("PlaneText", set()),

@@ -4,19 +4,20 @@
 //! node       Σ_elements ∫ N_a′ n ds = f_a + s_a          Σ ∫ A_a′ᵀ m − A_aᵀ (r′ × n) ds = l_a + t_a
 //! contact    the same, summed over the nodes that a contact acts on, with the force and the moment reported for it
 //! body       Σ f + Σ s + Σ c = 0                          Σ x × f + l + x × s + t + x × c + d = 0
+//! joint      Σ j = 0                                      Σ k = 0 over nodes that share rotation; e·k = 0 of a hinge
 //! energies   ½ ∫ σ·(ε − ε₀) ds by kind, the sum of which has the forces of nodes as its derivative
 //! ```
 //!
 //! n and m are the stress resultants in space, φ = Σ A_a θ_a the rotation of the interpolated frame, f and l loads, s and t
-//! reactions, c and d contact forces with their moments, as reported. A body is a rod with all that are joined to it; its
-//! balance needs no elements.
+//! reactions of supports and joints, c and d contact forces with their moments, as reported; j and k are those of joints alone, e
+//! the axis of a hinge. A body is a rod; its balance needs no elements.
 //!
 //! Forces are compared with the largest sum of the sizes of all forces on a node, moments with that times the node spacing, or the
 //! extent of a contact or body. The sums are those of the weak form, node by node, by the rule that integrates the energy: no mesh
 //! leaves a rest in them. What is left is what the solver's search leaves: rounding without contact, up to 1e-4 with it.
 
 use super::strains::{MaterialMatrix, PlacedRod, element_length, rule};
-use super::{Check, ContactForce, Subject, Worst, first_nodes, node_name};
+use super::{Check, ContactForce, Subject, SupportForce, Worst, first_nodes, node_name};
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
 use crate::rod::Rod;
@@ -73,7 +74,8 @@ pub(super) fn checks(subject: &Subject) -> Vec<Check> {
     let scale = Scale::of(subject, &all, contact);
     let of_nodes = (!charged).then(|| nodes(subject, (&first, contact), all, &scale));
     let of_bodies = bodies(subject, (&first, contact), &outer, &scale);
-    of_nodes.into_iter().chain([of_bodies, energies(subject, &stored)]).collect()
+    let of_joints = joints(subject, &first, &scale);
+    of_nodes.into_iter().chain([of_bodies]).chain(of_joints).chain([energies(subject, &stored)]).collect()
 }
 
 /// The largest force on a node \[F\], and the part of it that may be out of balance. Rounding of forces counts as so large a
@@ -143,15 +145,20 @@ fn sense(shape: &[Vec3]) -> f64 {
     shape.iter().zip(next).map(|(a, b)| (a - shape[0]).cross(&(b - a)).z).sum::<f64>().signum()
 }
 
-/// Reactions, once for nodes that are joined.
+/// Reactions, once for nodes that share them, and forces of joints.
 fn add_reactions(subject: &Subject, first: &[usize], out: &mut NodalForces) {
-    let mut told: Vec<NodeRef> = Vec::new();
+    let (mut held, mut turned): (Vec<NodeRef>, Vec<NodeRef>) = Default::default();
     for at in subject.reactions {
-        if !told.contains(&at.node) {
-            let spacing = subject.model.rods[at.node.rod].spacing();
-            out.add(first[at.node.rod] + at.node.node, at.force, at.moment, spacing);
-            told.extend(subject.model.joined_nodes(at.node));
-        }
+        let force = if held.contains(&at.node) { Vec3::zeros() } else { at.force };
+        let moment = if turned.contains(&at.node) { Vec3::zeros() } else { at.moment };
+        let spacing = subject.model.rods[at.node.rod].spacing();
+        out.add(first[at.node.rod] + at.node.node, force, moment, spacing);
+        held.extend(subject.model.joined_nodes(at.node));
+        turned.extend(subject.model.turning_nodes(at.node));
+    }
+    for at in subject.joints {
+        let spacing = subject.model.rods[at.node.rod].spacing();
+        out.add(first[at.node.rod] + at.node.node, at.force, at.moment, spacing);
     }
 }
 
@@ -310,15 +317,9 @@ impl Wrench {
 }
 
 /// Balance of nodes, or of the stretches of nodes that contacts act on.
-fn nodes(
-    subject: &Subject,
-    (first, contact): (&[usize], &[ContactForce]),
-    mut all: NodalForces,
-    scale: &Scale,
-) -> Check {
+fn nodes(subject: &Subject, (first, contact): (&[usize], &[ContactForce]), all: NodalForces, scale: &Scale) -> Check {
     let (model, state) = (subject.model, subject.state);
     let stretches = Stretches::of(model, first, contact);
-    give_to_one(model, first, &stretches, &mut all);
     let mut of_stretches: Vec<Option<Wrench>> = vec![None; stretches.count + 1];
     let mut worst = Worst::none();
     let mut index = 0;
@@ -352,20 +353,6 @@ fn nodes(
     Check::new("balance of nodes", worst.value, scale.tolerance, worst.detail("of the largest force"))
 }
 
-/// Of joined nodes all forces count for one, that which contact acts on, if there is one.
-fn give_to_one(model: &Model, first: &[usize], stretches: &Stretches, all: &mut NodalForces) {
-    for joint in &model.joints {
-        let mut group: Vec<usize> =
-            model.joined_nodes(joint.a).iter().map(|node| first[node.rod] + node.node).collect();
-        group.sort_by_key(|&node| (stretches.mark[node] == 0, node));
-        for &node in &group[1..] {
-            let (force, moment) = (std::mem::take(&mut all.force[node]), std::mem::take(&mut all.moment[node]));
-            all.force[group[0]] += force;
-            all.moment[group[0]] += moment;
-        }
-    }
-}
-
 /// Leaves out what is held without a reaction being reported: out of the plane of a planar model.
 fn leave_out_held(model: &Model, (force, moment): (&mut Vec3, &mut Vec3)) {
     if model.planar {
@@ -374,7 +361,37 @@ fn leave_out_held(model: &Model, (force, moment): (&mut Vec3, &mut Vec3)) {
     }
 }
 
-/// Balance of each rod with those that are joined to it; of all together where charges repel each other.
+/// Balance of the forces that each joint exerts. What it does not hold it exerts no moment on: rods that a pin joins turn on their
+/// own, those that a hinge joins about its axis.
+fn joints(subject: &Subject, first: &[usize], scale: &Scale) -> Option<Check> {
+    let (model, state) = (subject.model, subject.state);
+    let mut worst = Worst::none();
+    let mut sum = |nodes: &[NodeRef], of: &dyn Fn(&SupportForce) -> f64, over: f64| {
+        let total: f64 = subject.joints.iter().filter(|at| nodes.contains(&at.node)).map(of).sum();
+        worst.add(total.abs() / (scale.force * over), || node_name(model, nodes[0]));
+    };
+    for joint in &model.joints {
+        let lever = model.rods[joint.a.rod].spacing();
+        let in_space = |k: usize| !model.planar || k == 2;
+        for k in 0..3 {
+            if !model.planar || k < 2 {
+                sum(&model.joined_nodes(joint.a), &|at| at.force[k], 1.0);
+            }
+        }
+        for end in [joint.a, joint.b] {
+            (0..3).filter(|k| in_space(*k)).for_each(|k| sum(&model.hinged_nodes(end), &|at| at.moment[k], lever));
+            let rod = &model.rods[end.rod];
+            let turn = state.frames[first[end.rod] + end.node] * rod.frames[end.node].inverse();
+            if let Some(axis) = model.hinge_axis(joint).map(|axis| turn * axis) {
+                sum(&model.turning_nodes(end), &|at| at.moment.dot(&axis), lever);
+            }
+        }
+    }
+    (!model.joints.is_empty())
+        .then(|| Check::new("balance of joints", worst.value, scale.tolerance, worst.detail("of the largest force")))
+}
+
+/// Balance of each rod; of all together where charges repel each other.
 fn bodies(
     subject: &Subject,
     (first, contact): (&[usize], &[ContactForce]),
@@ -382,9 +399,7 @@ fn bodies(
     scale: &Scale,
 ) -> Check {
     let (model, state) = (subject.model, subject.state);
-    let body = |rod: usize| {
-        if model.electrostatics.is_some() { 0 } else { model.joined_rods(rod).into_iter().min().unwrap_or(rod) }
-    };
+    let body = |rod: usize| if model.electrostatics.is_some() { 0 } else { rod };
     let bodies: Vec<usize> = (0..model.rods.len()).map(body).collect();
     let mut sums: Vec<Option<Wrench>> = vec![None; model.rods.len()];
     for (k, rod) in model.rods.iter().enumerate() {

@@ -8,7 +8,7 @@
 //! pair of points. Pairs of arcs come from a grid; a bound of their distance
 //! by chords and sagittas leaves out those that cannot be the nearest, Newton's method finds the nearest points of the others.
 //! Points of one rod nearer along it than [`NEIGHBOURS`] of turning are no contact: a curve has to turn by π between two points
-//! whose connection is normal to it at both (Fenchel).
+//! whose connection is normal to it at both (Fenchel). Joined rods overlap at their joint, as far as they did at the start.
 //!
 //! Contact closes gaps between curves that are smooth through the nodes. What these may lie beside an arc is the mesh's
 //! resolution, by which strands may overlap.
@@ -57,6 +57,17 @@ pub(crate) struct OwnGap {
 }
 
 impl Arcs {
+    /// Whether two arcs are near a joint of their rods.
+    fn are_joined(&self, model: &Model, joined: &Joined, a: &Arc, b: &Arc) -> bool {
+        let is_in = |arc: &Arc, piece: [f64; 2]| {
+            let rod = &model.rods[arc.rod];
+            overlaps(&[piece], [arc.arc[0], arc.arc[0] + arc.arc[1]], if rod.closed { rod.length } else { 0.0 })
+        };
+        let near = |rods: [usize; 2]| joined.get(&rods).into_iter().flatten();
+        near([a.rod, b.rod]).any(|[of_a, of_b]| is_in(a, *of_a) && is_in(b, *of_b))
+            || near([b.rod, a.rod]).any(|[of_b, of_a]| is_in(a, *of_a) && is_in(b, *of_b))
+    }
+
     fn are_neighbours(&self, a: &Arc, b: &Arc) -> bool {
         a.rod == b.rod && self.strands[a.rod].as_ref().is_none_or(|s| s.between(a.index, b.index) < NEIGHBOURS)
     }
@@ -171,6 +182,18 @@ fn newton_step(x: [f64; 2], g: [f64; 2], h: [f64; 3], scale: [f64; 2]) -> [f64; 
     }
 }
 
+/// Arc lengths of pieces near joints, by rods.
+type Joined = HashMap<[usize; 2], Vec<[[f64; 2]; 2]>>;
+
+fn near_joints(model: &Model) -> Joined {
+    let mut joined = Joined::new();
+    for pair in model.joint_surroundings() {
+        let arcs = pair.map(|piece| piece.arc(&model.rods[piece.rod()]));
+        joined.entry(pair.map(|piece| piece.rod())).or_default().push(arcs);
+    }
+    joined
+}
+
 /// Pairs of arcs whose balls are nearer than a distance, by a grid of cells.
 fn pairs(arcs: &Arcs, reach: f64) -> Vec<[u32; 2]> {
     let balls: Vec<(Vec3, f64)> = arcs.all.iter().map(Arc::ball).collect();
@@ -211,6 +234,7 @@ pub(crate) fn gaps(subject: &Subject, arcs: &Arcs) -> (Option<OwnGap>, Option<Ch
     };
     bounded.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let tolerated = allowed(&model.contact.law, subject.penetration) * least;
+    let joined = near_joints(model);
     let mut nearest: Option<OwnGap> = None;
     let mut worst = (0.0, tolerated / least, "contact radii".to_owned());
     let mut take = |gap: f64, beside: f64, place: &dyn Fn() -> String| {
@@ -224,6 +248,9 @@ pub(crate) fn gaps(subject: &Subject, arcs: &Arcs) -> (Option<OwnGap>, Option<Ch
             break;
         }
         let (a, b) = (&arcs.all[i as usize], &arcs.all[j as usize]);
+        if arcs.are_joined(model, &joined, a, b) {
+            continue;
+        }
         let Some((gap, [u, v])) = arcs.nearest(a, b) else { continue };
         let at = [a.arc[0] + u * a.arc[1], b.arc[0] + v * b.arc[1]];
         let place = || {

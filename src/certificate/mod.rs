@@ -65,6 +65,8 @@ pub(crate) struct Subject<'a> {
     pub(crate) contact: Option<&'a [ContactForce]>,
     /// Reactions, as reported.
     pub(crate) reactions: &'a [SupportForce],
+    /// Forces of joints on each of their nodes, as reported.
+    pub(crate) joints: &'a [SupportForce],
     /// Energies of stretching, shearing, bending and twisting, as reported \[F·L\].
     pub(crate) energies: [f64; 4],
     /// Penetration over the smallest contact radius, as reported: a penalty leaves it.
@@ -99,7 +101,7 @@ pub(crate) enum Counterpart {
     Obstacle(usize),
 }
 
-/// Force and moment of a support on a node, as reported.
+/// Force and moment of a support or joint on a node, as reported.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SupportForce {
     pub(crate) node: NodeRef,

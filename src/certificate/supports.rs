@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! supports   |x_k − x_k*|/h and the angle about axis k between q and q*, k held; x*, q* by the ramps from the start
-//! joints     |(x_a − x_b) − (x_a − x_b)₀|/h, angle between q̄_a q_b and (q̄_a q_b)₀
+//! joints     |(x_a − x_b) − (x_a − x_b)₀|/h; rigid: angle between q̄_a q_b and (q̄_a q_b)₀; hinge: angle between both axes
 //! frames     | |q| − 1 |
 //! turning    angle between neighbours, turns, at most `MAX_TURN`
 //! ```
@@ -17,7 +17,7 @@ use super::{Check, Subject, Worst, first_nodes, node_name};
 use crate::math::quaternion::{exp, spin};
 use crate::math::{Quat, Vec3};
 use crate::rod::MAX_TURN;
-use crate::scene::{Model, NodeRef, Pose, Ramp, Stage};
+use crate::scene::{JointKind, Model, NodeRef, Pose, Ramp, Stage};
 use crate::solve::Given;
 
 /// Largest deviation of a supported or joined node, node spacings or rad, because a frame is the product of one rotation an
@@ -69,7 +69,14 @@ fn joints(subject: &Subject) -> Option<Check> {
         let ((x_a, q_a), (x_b, q_b)) = (given(joint.a), given(joint.b));
         let apart = (state.positions[a] - state.positions[b]) + (state.remainders[a] - state.remainders[b]);
         let spacing = model.rods[joint.a.rod].spacing().min(model.rods[joint.b.rod].spacing());
-        let turned = (state.frames[a].inverse() * state.frames[b]).angle_to(&(q_a.inverse() * q_b));
+        let turned = match (joint.kind, model.hinge_axis(joint)) {
+            (JointKind::Rigid, _) => (state.frames[a].inverse() * state.frames[b]).angle_to(&(q_a.inverse() * q_b)),
+            (_, Some(axis)) => {
+                let [of_a, of_b] = [(a, q_a), (b, q_b)].map(|(at, given)| state.frames[at] * (given.inverse() * axis));
+                of_a.cross(&of_b).norm().atan2(of_a.dot(&of_b))
+            }
+            _ => 0.0,
+        };
         let off = ((apart - (x_a - x_b)).norm() / spacing).max(turned);
         worst.add(off, || format!("{} and {}", node_name(model, joint.a), node_name(model, joint.b)));
     }

@@ -24,7 +24,7 @@ use super::csv::{RodState, state_text, write_state};
 use super::detail::{every, within};
 use super::fingerprint::Fingerprint;
 use super::picture::obstacle::placed_lines;
-use super::table::{Columns, Named, ResultantsOf, write_lines, write_resultants, write_sites};
+use super::table::{Columns, Named, ResultantsOf, write_joints, write_lines, write_resultants, write_sites};
 use super::view;
 use super::vtk::{PvdWriter, VtkRod, VtkStep, write_obstacle_lines, write_vtp};
 pub(super) use files::{BASE_PAIRS, FINAL_STATE_BITS, VIEW, check_finished, read_summary, step_of};
@@ -207,8 +207,9 @@ pub struct RecordState {
 /// | `resultants.csv` | internal forces and moments at the nodes of the final state, in their frames |
 /// | `sites.csv` | all contact sites of the final state |
 /// | `lines.csv` | lines of contact in the final state: pressure and gap along them |
+/// | `joints.csv` | forces and moments of joints on the rods in the final state, a line for each joined node |
 /// | `base_pairs.csv` | of rods with a sequence: the bases, their places on the rod and the steps between them at rest, for [`export`](super::export) |
-/// | `table_columns.csv`, `final_state_columns.csv`, `resultants_columns.csv`, `sites_columns.csv`, `lines_columns.csv` | name, unit and meaning of the columns of each table |
+/// | `table_columns.csv`, `final_state_columns.csv`, `resultants_columns.csv`, `sites_columns.csv`, `lines_columns.csv`, `joints_columns.csv` | name, unit and meaning of the columns of each table |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
 /// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
@@ -402,6 +403,11 @@ impl Record {
         if !self.lines.is_empty() {
             write_lines(&self.dir.join(files::LINES), &self.lines, named)?;
         }
+        let joints = self.steps.get(last.step).map_or(&[][..], |step| &step.joints);
+        if !joints.is_empty() {
+            let arcs: Vec<Vec<f64>> = (0..self.rods.len()).map(|rod| self.arcs(rod, last.step)).collect();
+            write_joints(&self.dir.join(files::JOINTS), joints, &arcs, named)?;
+        }
         if self.output.vtk && self.last_written != Some(last.step) {
             self.write_vtk(&last)?;
         }
@@ -418,6 +424,12 @@ impl Record {
         }
         self.last = Some(last);
         Ok(())
+    }
+
+    /// Arc lengths of the nodes of a rod in a step.
+    fn arcs(&self, rod: usize, step: usize) -> Vec<f64> {
+        let head = self.head(rod, step);
+        head.arc_lengths(head.nodes)
     }
 
     fn write_base_pairs(&self) -> Result<(), InputError> {

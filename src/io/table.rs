@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::observe::SNAP;
-use crate::observe::report::{LineSample, Observation, ObstacleSite, RodEnds, SiteReport};
+use crate::observe::report::{JointForce, LineSample, Observation, ObstacleSite, RodEnds, SiteReport};
 use crate::scene::Units;
 
 use super::csv::{Cell, columns_in, write_explained};
@@ -341,6 +341,42 @@ pub(crate) fn write_lines(path: &Path, samples: &[LineSample], named: Named) -> 
     write_explained(path, &columns_in(units, &LINE_COLUMNS), samples.iter().map(row).collect::<Result<Vec<_>, _>>()?)
 }
 
+/// Columns of `joints.csv`: name, dimension, meaning.
+const JOINT_COLUMNS: [[&str; 3]; 9] = [
+    ["point", "", "index of the point where rods are joined, from 0: the forces of its lines add up to zero"],
+    ["rod", "", "name of the rod that the joint acts on"],
+    ["arc", "L", "arc length of the joined node on the rod"],
+    ["force_x", "F", JOINT_FORCE],
+    ["force_y", "F", JOINT_FORCE],
+    ["force_z", "F", JOINT_FORCE],
+    ["moment_x", "F L", JOINT_MOMENT],
+    ["moment_y", "F L", JOINT_MOMENT],
+    ["moment_z", "F L", JOINT_MOMENT],
+];
+const JOINT_FORCE: &str = "force of the joint on the rod as a vector";
+const JOINT_MOMENT: &str =
+    "moment of the joint on the rod about the node: zero of a pin, zero about the axis of a hinge";
+
+/// Writes the forces of joints on rods as CSV, a line for each joined node; `arcs` are the arc lengths of the nodes of each
+/// rod. Units and meanings are in `joints_columns.csv`.
+///
+/// # Errors
+/// As `write_sites`.
+pub(crate) fn write_joints(
+    path: &Path,
+    joints: &[JointForce],
+    arcs: &[Vec<f64>],
+    named: Named,
+) -> Result<(), InputError> {
+    let Named { rods, units, .. } = named;
+    let row = |at: &JointForce| -> Result<Vec<Cell>, InputError> {
+        let mut cells = vec![at.point.into(), name_of(rods, at.rod)?.into(), arcs[at.rod][at.node].into()];
+        cells.extend(at.force.into_iter().chain(at.moment).map(Cell::from));
+        Ok(cells)
+    };
+    write_explained(path, &columns_in(units, &JOINT_COLUMNS), joints.iter().map(row).collect::<Result<Vec<_>, _>>()?)
+}
+
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
@@ -381,6 +417,7 @@ pub(super) mod tests {
             obstacle_reactions: Vec::new(),
             total_contact_force: 0.0,
             reactions: Vec::new(),
+            joints: Vec::new(),
             mesh_error: 0.0,
             num_unstable: 2,
             energy_released: 0.0,

@@ -188,6 +188,23 @@ pub struct Reaction {
     pub moment: [f64; 3],
 }
 
+/// Force and moment that a joint exerts on a rod at one of its nodes, in the global axes. Those on all nodes of a joint add up to
+/// zero: what a support there exerts is a [`Reaction`].
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct JointForce {
+    /// Index of the point where nodes are joined: the same for all nodes that joints connect.
+    pub point: usize,
+    /// Rod index.
+    pub rod: usize,
+    /// Node index.
+    pub node: usize,
+    /// Force \[F\].
+    pub force: [f64; 3],
+    /// Moment about the node \[F·L\]; of a pin zero, of a hinge zero about its axis.
+    pub moment: [f64; 3],
+}
+
 /// Link numbers of one closed rod, in turns; `link = twist + writhe`.
 ///
 /// `link` is measured on a fine polygon, where Tw + Wr is exact: it must equal `excess_link`, and the natural link of
@@ -355,6 +372,9 @@ pub struct Observation {
     pub contact_resultants: f64,
     /// Reactions at supports.
     pub reactions: Vec<Reaction>,
+    /// Forces of joints on the rods, one entry for each joined node.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub joints: Vec<JointForce>,
     /// Bending and twisting energy that a finer mesh would change, over that of the state: an estimate, of the order of the
     /// relative error of the energy. A [`Fidelity`](crate::scene::Fidelity) states how much its mesh should leave.
     #[cfg_attr(feature = "serde", serde(default))]

@@ -19,8 +19,8 @@ use super::knots;
 use super::mesh::mesh_error;
 use super::obstacles::{obstacle_reactions, obstacle_sites};
 use super::report::{
-    Energies, GapReport, LineSample, Observation, ObstacleReaction, ObstacleSite, Reaction, RodEnds, RodLink, RodSize,
-    SiteReport,
+    Energies, GapReport, JointForce, LineSample, Observation, ObstacleReaction, ObstacleSite, Reaction, RodEnds,
+    RodLink, RodSize, SiteReport,
 };
 use super::sites::{Layer, lines, sites, spread};
 use super::topology;
@@ -81,7 +81,8 @@ pub fn observe(progress: &Progress) -> Observation {
     let least = TOL_ENERGY * energies.total + rounding_of_energy(engine);
     let energy_released = if released > least { released } else { 0.0 };
     let reactions = reactions(engine, &residual);
-    let (mut certificate, gap) = certificate(progress, (&sites, &obstacle_sites), &reactions, &energies);
+    let joints = joint_forces(engine, &reactions);
+    let (mut certificate, gap) = certificate(progress, (&sites, &obstacle_sites), (&reactions, &joints), &energies);
     let (min_gap, contact_gap) = (gap.map(gap_report), contact_gap(engine));
     let (links, linking, knots) =
         (links(engine, &residual), knots::linking(engine), knots::knots(engine, contact_gap.as_ref()));
@@ -119,6 +120,7 @@ pub fn observe(progress: &Progress) -> Observation {
         sites,
         obstacle_sites,
         reactions,
+        joints,
         certificate,
         mesh_error: mesh_error(engine, residual.potential.elastic[2..].iter().sum()),
         num_unstable: progress.report.num_unstable,
@@ -133,7 +135,7 @@ pub fn observe(progress: &Progress) -> Observation {
 fn certificate(
     progress: &Progress,
     (sites, obstacle_sites): (&[SiteReport], &[ObstacleSite]),
-    reactions: &[Reaction],
+    (reactions, joints): (&[Reaction], &[JointForce]),
     energies: &Energies,
 ) -> (Certificate, Option<OwnGap>) {
     let strands = sites.iter().flat_map(|site| {
@@ -164,12 +166,19 @@ fn certificate(
         moment: at.moment.into(),
     };
     let reactions: Vec<SupportForce> = reactions.iter().map(of_support).collect();
+    let of_joint = |at: &JointForce| SupportForce {
+        node: NodeRef { rod: at.rod, node: at.node },
+        force: at.force.into(),
+        moment: at.moment.into(),
+    };
+    let joints: Vec<SupportForce> = joints.iter().map(of_joint).collect();
     let subject = Subject {
         model: progress.engine.model(),
         state: progress.engine.state(),
         given: progress.given.map(|given| (given, progress.stage, progress.fraction)),
         contact: Some(&contact),
         reactions: &reactions,
+        joints: &joints,
         energies: [energies.stretching, energies.shearing, energies.bending, energies.twisting],
         penetration: progress.report.penetration,
     };
@@ -414,8 +423,8 @@ fn contact_gap(engine: &Engine) -> Option<GapReport> {
 fn reactions(engine: &Engine, residual: &Residual) -> Vec<Reaction> {
     let nodes: BTreeSet<NodeRef> = engine.model().supports.iter().map(|support| support.node).collect();
     let reaction = |node: NodeRef| {
-        let first = 6 * engine.master[engine.first_node[node.rod] + node.node];
-        let gradient = &residual.gradient[first..first + 6];
+        let owner = &engine.sharing.owner[engine.index(node)];
+        let gradient: [f64; 6] = std::array::from_fn(|k| residual.gradient[6 * owner[if k < 3 { k } else { 5 }] + k]);
         let (position, rotation) = engine.model().fixed(node);
         // where rotation about one axis is held the moment is about a direction between it and where it was tilted to
         let is_swivel = rotation.iter().filter(|held| **held).count() == 1 && !engine.model().planar;
@@ -427,6 +436,41 @@ fn reactions(engine: &Engine, residual: &Residual) -> Vec<Reaction> {
         }
     };
     nodes.into_iter().map(reaction).collect()
+}
+
+/// What joints exert on each of their nodes: all that is exerted there but reactions of supports. Joined nodes have the
+/// reaction of their support in common, so it counts for one of them.
+fn joint_forces(engine: &Engine, reactions: &[Reaction]) -> Vec<JointForce> {
+    let model = engine.model();
+    if model.joints.is_empty() {
+        return Vec::new();
+    }
+    let mut forces = engine.forces_on_nodes(engine.state());
+    let (mut held, mut turned) = (BTreeSet::new(), BTreeSet::new());
+    for at in reactions {
+        let node = NodeRef { rod: at.rod, node: at.node };
+        let first = 6 * engine.index(node);
+        if held.insert(model.joined_nodes(node).into_iter().min()) {
+            (0..3).for_each(|k| forces[first + k] -= at.force[k]);
+        }
+        if turned.insert(model.turning_nodes(node).into_iter().min()) {
+            (0..3).for_each(|k| forces[first + 3 + k] -= at.moment[k]);
+        }
+    }
+    let mut all = Vec::new();
+    let nodes: BTreeSet<NodeRef> = model.joints.iter().flat_map(|joint| [joint.a, joint.b]).collect();
+    let mut points: Vec<NodeRef> = Vec::new();
+    for node in nodes {
+        let first = model.joined_nodes(node).into_iter().min().unwrap_or(node);
+        let point = points.iter().position(|other| *other == first).unwrap_or(points.len());
+        if point == points.len() {
+            points.push(first);
+        }
+        let six = &forces[6 * engine.index(node)..];
+        let (force, moment) = ([six[0], six[1], six[2]], [six[3], six[4], six[5]]);
+        all.push(JointForce { point, rod: node.rod, node: node.node, force, moment });
+    }
+    all
 }
 
 #[cfg(test)]

@@ -17,8 +17,8 @@ pub use fidelity::{Accuracy, Fidelity};
 #[cfg(feature = "scenes")]
 pub use file::Scene;
 pub use model::{
-    Contact, ContactLaw, Electrostatics, Hinge, Joint, LineLoad, Model, NodeLoad, NodeRef, Obstacle, ObstacleNumber,
-    ObstaclePose, Pose, PosePath, Ramp, Side, Skeleton, Stage, Support,
+    Contact, ContactLaw, Electrostatics, Hinge, Joint, JointKind, LineLoad, Model, NodeLoad, NodeRef, Obstacle,
+    ObstacleNumber, ObstaclePose, Pose, PosePath, Ramp, Side, Skeleton, Stage, Support,
 };
 pub use points::{Import, read_points, read_points_with, smooth_points};
 pub use tables::{SectionTable, read_natural, read_section};

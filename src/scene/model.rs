@@ -3,6 +3,7 @@
 
 mod carried;
 mod check;
+mod joint_surroundings;
 mod obstacle;
 mod pose;
 
@@ -53,17 +54,62 @@ impl Support {
     }
 }
 
-/// A rigid joint of two nodes: they share displacement and rotation throughout. Their frames may differ, so rods can
-/// meet at any angle (the corner of a frame, a tee, a branching cable). Several joints at one point join all its nodes.
+/// What the nodes of a joint share, besides their position.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum JointKind {
+    /// All rotation. Their frames may differ, so rods can meet at any angle (the corner of a frame, a tee, a branching cable).
+    #[default]
+    Rigid,
+    /// No rotation: each rod turns as it likes.
+    Pin,
+    /// All rotation but that about one axis, which turns with both rods.
+    Hinge {
+        /// Direction of the axis in space, in the initial shapes; of any length but 0. In a planar scene along z.
+        axis: Vec3,
+    },
+}
+
+impl JointKind {
+    /// Its word in scene files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Rigid => "rigid",
+            Self::Pin => "pin",
+            Self::Hinge { .. } => "hinge",
+        }
+    }
+}
+
+/// A joint of two nodes: they share their position throughout, and of their rotation what its kind says. Several joints at
+/// one point join all its nodes.
 ///
-/// The nodes must coincide at the start. Joined rods cannot both take part in contact yet, because they would always
-/// touch at the joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The nodes must coincide at the start. Contact is left out where joined rods overlap next to the joint at the start; farther
+/// away they may touch. Hinges that meet at one point share one axis, and supports there hold all rotation or none.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
     /// One node.
     pub a: NodeRef,
     /// The other.
     pub b: NodeRef,
+    /// What they share besides their position.
+    pub kind: JointKind,
+}
+
+impl Joint {
+    /// Position and rotation shared.
+    pub fn rigid(a: NodeRef, b: NodeRef) -> Self {
+        Self { a, b, kind: JointKind::Rigid }
+    }
+
+    /// Position shared.
+    pub fn pin(a: NodeRef, b: NodeRef) -> Self {
+        Self { a, b, kind: JointKind::Pin }
+    }
+
+    /// Position shared, and all rotation but that about an axis, given by its direction in the initial shapes.
+    pub fn hinge(a: NodeRef, b: NodeRef, axis: Vec3) -> Self {
+        Self { a, b, kind: JointKind::Hinge { axis } }
+    }
 }
 
 /// Dead force \[F\] and dead (fixed-axis) moment \[F·L\] at a node, in the global axes.
@@ -350,7 +396,7 @@ pub struct Model {
     pub rods: Vec<Rod>,
     /// Supports; several may act on one node.
     pub supports: Vec<Support>,
-    /// Rigid connections between nodes.
+    /// Rigid joints, pins and hinges of nodes.
     pub joints: Vec<Joint>,
     /// Dead nodal loads at load factor 1.
     pub loads: Vec<NodeLoad>,
@@ -374,15 +420,16 @@ pub(crate) fn unit(direction: &Vec3) -> Vec3 {
 }
 
 impl Model {
-    /// Position and rotation components fixed at a node by all its supports and those of joined nodes together (all
-    /// out-of-plane components too in a planar model).
+    /// Position and rotation components fixed at a node by all its supports and those of joined nodes together, as far as they
+    /// share position and rotation (all out-of-plane components too in a planar model).
     pub fn fixed(&self, node: NodeRef) -> ([bool; 3], [bool; 3]) {
         let start = ([false, false, self.planar], [self.planar, self.planar, false]);
-        let joined = self.joined_nodes(node);
-        let here = self.supports.iter().filter(|support| joined.contains(&support.node));
-        here.fold(start, |(position, rotation), support| {
-            let either = |a: [bool; 3], b: [bool; 3]| std::array::from_fn(|k| a[k] || b[k]);
-            (either(position, support.position), either(rotation, support.rotation))
+        let either = |a: [bool; 3], b: [bool; 3]| std::array::from_fn(|k| a[k] || b[k]);
+        let (joined, turning) = (self.joined_nodes(node), self.turning_nodes(node));
+        self.supports.iter().fold(start, |(position, rotation), support| {
+            let position = if joined.contains(&support.node) { either(position, support.position) } else { position };
+            let rotation = if turning.contains(&support.node) { either(rotation, support.rotation) } else { rotation };
+            (position, rotation)
         })
     }
 
@@ -410,11 +457,34 @@ impl Model {
 
     /// The node and all nodes that joints connect it to.
     pub(crate) fn joined_nodes(&self, node: NodeRef) -> Vec<NodeRef> {
+        self.nodes_joined_by(node, |_| true)
+    }
+
+    /// The node and all nodes that rigid joints connect it to: they share all rotation.
+    pub(crate) fn turning_nodes(&self, node: NodeRef) -> Vec<NodeRef> {
+        self.nodes_joined_by(node, |joint| joint.kind == JointKind::Rigid)
+    }
+
+    /// The node and all nodes that rigid joints and hinges connect it to: they share rotation but about the hinges' axis. In a plane
+    /// hinges are pins.
+    pub(crate) fn hinged_nodes(&self, node: NodeRef) -> Vec<NodeRef> {
+        self.nodes_joined_by(node, |joint| joint.kind == JointKind::Rigid || self.hinge_axis(joint).is_some())
+    }
+
+    /// The axis of a hinge in space, of length 1.
+    pub(crate) fn hinge_axis(&self, joint: &Joint) -> Option<Vec3> {
+        match joint.kind {
+            JointKind::Hinge { axis } if !self.planar => Some(unit(&axis)),
+            _ => None,
+        }
+    }
+
+    fn nodes_joined_by(&self, node: NodeRef, by: impl Fn(&Joint) -> bool) -> Vec<NodeRef> {
         let mut found = vec![node];
         let mut next = 0;
         while next < found.len() {
             let here = found[next];
-            for joint in &self.joints {
+            for joint in self.joints.iter().filter(|joint| by(joint)) {
                 let other = if joint.a == here { joint.b } else { joint.a };
                 if (joint.a == here || joint.b == here) && !found.contains(&other) {
                     found.push(other);
@@ -427,11 +497,20 @@ impl Model {
 
     /// The rod and all rods that joints connect it to.
     pub(crate) fn joined_rods(&self, rod: usize) -> Vec<usize> {
+        self.rods_joined_by(rod, |_| true)
+    }
+
+    /// The rod and all rods that rigid joints connect it to.
+    pub(crate) fn rigidly_joined_rods(&self, rod: usize) -> Vec<usize> {
+        self.rods_joined_by(rod, |joint| joint.kind == JointKind::Rigid)
+    }
+
+    fn rods_joined_by(&self, rod: usize, by: impl Fn(&Joint) -> bool) -> Vec<usize> {
         let mut found = vec![rod];
         let mut next = 0;
         while next < found.len() {
             let here = found[next];
-            for joint in &self.joints {
+            for joint in self.joints.iter().filter(|joint| by(joint)) {
                 let (a, b) = (joint.a.rod, joint.b.rod);
                 for other in [a, b] {
                     if (a == here || b == here) && !found.contains(&other) {

@@ -1,13 +1,13 @@
 //! Sparsity pattern of the tangent: lower triangle, compressed columns, grouped by nodes.
 //!
 //! A node has up to six unknowns (three positions, three rotations). Supported and out-of-plane ones are eliminated
-//! here; the factorisation does not see them. Equations are numbered in the order of elimination
+//! here; the factorisation does not see them. Joined nodes are one block: the first of them has all their unknowns. Equations are numbered in the order of elimination
 //! ([`NodeGraph::ordered`]), so that the factorisation takes the matrix as it is assembled.
 
 /// Marks an eliminated unknown.
-const NONE: u8 = u8::MAX;
+const NONE: u16 = u16::MAX;
 /// Unknowns of a node that no support holds.
-const ALL: [u8; 6] = [0, 1, 2, 3, 4, 5];
+const ALL: [u16; 6] = [0, 1, 2, 3, 4, 5];
 
 /// Lower triangle pattern over node blocks.
 #[derive(Debug, Clone, Default)]
@@ -18,10 +18,7 @@ pub struct Pattern {
     place: Vec<u32>,
     /// First equation of each node.
     first: Vec<u32>,
-    /// Per node: local unknown → position among its free unknowns, or `NONE`.
-    local: Vec<[u8; 6]>,
-    /// The node whose unknowns a node shares; itself unless joined.
-    master: Vec<u32>,
+    unknowns: Unknowns,
     col_ptr: Vec<u32>,
     row_idx: Vec<u32>,
     /// Per place: range in `neighbours`.
@@ -30,51 +27,76 @@ pub struct Pattern {
     neighbours: Vec<(u32, u32)>,
 }
 
-/// Number of unknowns of a node.
-fn num_free(slots: &[u8; 6]) -> u32 {
-    slots.iter().filter(|&&slot| slot != NONE).count() as u32
+/// Which unknowns nodes have.
+#[derive(Debug, Clone, Default)]
+struct Unknowns {
+    /// Per node: local unknown → position among the free unknowns of its block, or `NONE`.
+    local: Vec<[u16; 6]>,
+    /// Per node: bits of the unknowns that are its own.
+    own: Vec<u8>,
+    /// The node that has the block of a node: itself unless joined.
+    master: Vec<u32>,
+    /// Number of unknowns of the block of each node; 0 of those that have none.
+    count: Vec<u32>,
+}
+
+impl Unknowns {
+    fn new(free: &[[bool; 6]], owner: &[[usize; 6]]) -> Self {
+        let num_nodes = free.len();
+        let master: Vec<u32> = owner.iter().map(|owner| owner[0] as u32).collect();
+        let (mut local, mut count) = (vec![[NONE; 6]; num_nodes], vec![0; num_nodes]);
+        let mut own = vec![0; num_nodes];
+        for node in 0..num_nodes {
+            for k in (0..6).filter(|&k| owner[node][k] == node) {
+                own[node] |= 1 << k;
+                if free[node][k] {
+                    let next: &mut u32 = &mut count[master[node] as usize];
+                    local[node][k] = *next as u16;
+                    *next += 1;
+                }
+            }
+        }
+        for node in 0..num_nodes {
+            local[node] = std::array::from_fn(|k| local[owner[node][k]][k]);
+        }
+        Self { local, own, master, count }
+    }
 }
 
 /// Nodes, their free unknowns and the pairs of nodes that are coupled: a pattern whose nodes have no order yet.
 #[derive(Debug, Clone)]
 pub struct NodeGraph {
-    local: Vec<[u8; 6]>,
-    master: Vec<u32>,
+    unknowns: Unknowns,
     /// Pairs of nodes, the lower first, each node with itself among them, ascending.
     pairs: Vec<(u32, u32)>,
 }
 
 impl NodeGraph {
     /// Nodes with the given free unknowns, coupled in the given pairs (any order, duplicates allowed; the diagonal is always
-    /// present). Nodes may share the unknowns of another: `master[b]` is `b` itself or the node that b is joined to. Only
-    /// the master's `free` counts; the others have the master's equations and blocks.
-    pub fn new(free: &[[bool; 6]], master: &[usize], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
-        let num_nodes = free.len();
-        let mut local = Vec::with_capacity(num_nodes);
-        for (node, flags) in free.iter().enumerate() {
-            let mut map = [NONE; 6];
-            let free = (0..6).filter(|&k| flags[k] && master[node] == node);
-            free.zip(0..).for_each(|(k, here)| map[k] = here);
-            local.push(map);
-        }
+    /// present). Nodes may share unknowns of others: `owner[b][k]` is `b` itself or the node whose k-th unknown is that of b, too.
+    /// Only the owner's `free` counts. All positions of a node have one owner, whose block holds all unknowns of the nodes that
+    /// share them; it is the first of these.
+    pub fn new(free: &[[bool; 6]], owner: &[[usize; 6]], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
+        let unknowns = Unknowns::new(free, owner);
+        let master = &unknowns.master;
         let mut pairs: Vec<(u32, u32)> =
-            pairs.map(|(a, b)| (master[a] as u32, master[b] as u32)).map(|(a, b)| (a.min(b), a.max(b))).collect();
-        pairs.extend((0..num_nodes as u32).map(|a| (a, a)));
+            pairs.map(|(a, b)| (master[a], master[b])).map(|(a, b)| (a.min(b), a.max(b))).collect();
+        pairs.extend((0..free.len() as u32).map(|a| (a, a)));
         pairs.sort_unstable();
         pairs.dedup();
-        Self { local, master: master.iter().map(|&m| m as u32).collect(), pairs }
+        Self { unknowns, pairs }
     }
 
     /// Number of nodes.
     pub fn num_nodes(&self) -> usize {
-        self.local.len()
+        self.unknowns.count.len()
     }
 
     /// First equation of each node, numbered in the nodes' own order, and their number in all.
     fn first_equations(&self) -> Vec<u32> {
         let mut firsts = vec![0];
-        for slots in &self.local {
-            firsts.push(firsts[firsts.len() - 1] + num_free(slots));
+        for count in &self.unknowns.count {
+            firsts.push(firsts[firsts.len() - 1] + count);
         }
         firsts
     }
@@ -120,10 +142,10 @@ impl NodeGraph {
 
     /// The pattern with its nodes in an order of elimination.
     pub fn ordered(self, order: Vec<u32>) -> Pattern {
-        let Self { local, master, mut pairs } = self;
+        let Self { unknowns, mut pairs } = self;
         let num_nodes = order.len();
         let mut pattern =
-            Pattern { place: vec![0; num_nodes], first: vec![0; num_nodes], local, master, ..Pattern::default() };
+            Pattern { place: vec![0; num_nodes], first: vec![0; num_nodes], unknowns, ..Pattern::default() };
         let mut count = 0;
         for (&node, at) in order.iter().zip(0u32..) {
             pattern.place[node as usize] = at;
@@ -145,8 +167,8 @@ impl Pattern {
     /// Pattern of nodes with the given free unknowns in their own order, coupled in the given node pairs.
     #[cfg(test)]
     pub fn new(free: &[[bool; 6]], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
-        let master: Vec<usize> = (0..free.len()).collect();
-        NodeGraph::new(free, &master, pairs).natural()
+        let owner: Vec<[usize; 6]> = (0..free.len()).map(|node| [node; 6]).collect();
+        NodeGraph::new(free, &owner, pairs).natural()
     }
 
     fn fill(&mut self, blocks: &[(u32, u32)]) {
@@ -214,20 +236,23 @@ impl Pattern {
     /// Equation of unknown `k` (0..3 position, 3..6 rotation) of a node, `None` if eliminated.
     #[inline]
     pub fn equation(&self, node: usize, k: usize) -> Option<usize> {
-        let node = self.master[node] as usize;
-        match self.local[node][k] {
+        match self.unknowns.local[node][k] {
             NONE => None,
-            position => Some(self.first[node] as usize + position as usize),
+            position => Some(self.first[self.master(node)] as usize + position as usize),
         }
     }
 
-    /// [`Pattern::equation`], `None` also of a node that is joined to one before.
+    /// [`Pattern::equation`], `None` also of an unknown that is another node's.
     pub fn own_equation(&self, node: usize, k: usize) -> Option<usize> {
-        if self.master[node] as usize == node { self.equation(node, k) } else { None }
+        if self.unknowns.own[node] & (1 << k) != 0 { self.equation(node, k) } else { None }
     }
 
     fn num_free(&self, node: u32) -> u32 {
-        num_free(&self.local[node as usize])
+        self.unknowns.count[node as usize]
+    }
+
+    fn master(&self, node: usize) -> usize {
+        self.unknowns.master[node] as usize
     }
 
     /// Adds the 6×6 block with rows of node `a` and columns of node `b` (and by symmetry its transpose).
@@ -243,7 +268,7 @@ impl Pattern {
     /// Index of the block of two nodes among the values: of the first row of its block in the first column. `None` if
     /// either has no unknowns. Pairs not in the pattern are a programming error.
     pub fn block_start(&self, a: usize, b: usize) -> Option<usize> {
-        let (a, b) = (self.master[a] as usize, self.master[b] as usize);
+        let (a, b) = (self.master(a), self.master(b));
         let (first, last) = if self.place[a] > self.place[b] { (b, a) } else { (a, b) };
         if self.num_free(first as u32) == 0 || self.num_free(last as u32) == 0 {
             return None;
@@ -260,24 +285,46 @@ impl Pattern {
     /// holds the first node's columns as a whole.
     #[inline]
     pub fn add_at(&self, values: &mut [f64], start: usize, [a, b]: [usize; 2], entry: impl Fn(usize, usize) -> f64) {
-        let joined = a != b && self.master[a] == self.master[b];
-        let (a, b) = (self.master[a] as usize, self.master[b] as usize);
-        if joined {
-            // two joined nodes: their coupling and its transpose lie in one diagonal block
-            self.add_ordered(values, start, [a, b], |i, j| entry(i, j) + entry(j, i));
-        } else if self.place[a] > self.place[b] {
+        let [p, q] = [a, b].map(|node| self.place[self.master(node)]);
+        if p == q {
+            self.add_within(values, start, [a, b], entry);
+        } else if p > q {
             self.add_ordered(values, start, [b, a], |i, j| entry(j, i));
         } else {
             self.add_ordered(values, start, [a, b], entry);
         }
     }
 
-    /// [`Pattern::add_at`] for `a` at or before `b`: goes to rows of b in columns of a.
+    /// Number of rows in the first column of a node's block.
+    fn length(&self, node: usize) -> usize {
+        let first = self.first[self.master(node)] as usize;
+        (self.col_ptr[first + 1] - self.col_ptr[first]) as usize
+    }
+
+    /// [`Pattern::add_at`] within a diagonal block: of one node the upper part, of two joined ones their coupling and its
+    /// transpose.
+    fn add_within(&self, values: &mut [f64], start: usize, [a, b]: [usize; 2], entry: impl Fn(usize, usize) -> f64) {
+        let length = self.length(a);
+        let [rows, columns] = [a, b].map(|node| self.unknowns.local[node].map(usize::from));
+        let none = usize::from(NONE);
+        for (i, &row) in rows.iter().enumerate().filter(|(_, row)| **row != none) {
+            for (j, &column) in columns.iter().enumerate().filter(|(_, column)| **column != none) {
+                let (low, high) = (row.min(column), row.max(column));
+                let at = start + low * length - low * (low + 1) / 2 + high;
+                if a != b && low == high {
+                    values[at] += 2.0 * entry(i, j);
+                } else if a != b || i <= j {
+                    values[at] += entry(i, j);
+                }
+            }
+        }
+    }
+
+    /// [`Pattern::add_at`] for `a` before `b`: goes to rows of b in columns of a.
     #[inline]
     fn add_ordered(&self, values: &mut [f64], start: usize, [a, b]: [usize; 2], entry: impl Fn(usize, usize) -> f64) {
-        let first = self.first[a] as usize;
-        let length = (self.col_ptr[first + 1] - self.col_ptr[first]) as usize;
-        if a != b && self.local[a] == ALL && self.local[b] == ALL {
+        let (length, [of_a, of_b]) = (self.length(a), [a, b].map(|node| &self.unknowns.local[node]));
+        if *of_a == ALL && *of_b == ALL {
             let mut at = start;
             for i in 0..6 {
                 values[at..at + 6].iter_mut().zip(0..).for_each(|(value, j)| *value += entry(i, j));
@@ -285,14 +332,12 @@ impl Pattern {
             }
             return;
         }
-        for (i, &column) in self.local[a].iter().enumerate().filter(|(_, column)| **column != NONE) {
+        for (i, &column) in of_a.iter().enumerate().filter(|(_, column)| **column != NONE) {
             // each column is shorter by one, because entries above the diagonal are not stored
             let column = usize::from(column);
             let at = start + column * length - column * (column + 1) / 2;
-            for (j, &row) in self.local[b].iter().enumerate() {
-                if row != NONE && (a != b || i <= j) {
-                    values[at + usize::from(row)] += entry(i, j);
-                }
+            for (j, &row) in of_b.iter().enumerate().filter(|(_, row)| **row != NONE) {
+                values[at + usize::from(row)] += entry(i, j);
             }
         }
     }
@@ -327,39 +372,42 @@ impl Pattern {
 mod tests {
     use super::*;
 
-    /// Nodes 1 and 3 of a chain 0 1 2, 3 4 are one: the reduced matrix is Tᵀ A T of the full one, T the joining map.
+    /// Nodes 1, 3 and 5 of a chain 0 1 2, 3 4, 5 are joined: the reduced matrix is Tᵀ A T of the full one, T the joining map.
+    /// Node 3 is rigid to 1, or pinned to it, or shares all but its last rotation; node 5 is rigid to 3.
     #[test]
     fn joined_nodes_share_their_equations() {
-        let free = [[true, true, false, false, false, true]; 5];
-        let pairs = [(0, 1), (1, 2), (3, 4), (1, 3), (3, 2)];
+        let mut free = [[true; 6]; 6];
+        free[2] = [true, true, false, false, false, true];
+        let pairs = [(0, 1), (1, 2), (3, 4), (1, 3), (3, 2), (5, 4), (5, 1), (5, 3)];
         let full = Pattern::new(&free, pairs.into_iter());
-        let joined = NodeGraph::new(&free, &[0, 1, 2, 1, 4], pairs.into_iter()).natural();
-        assert_eq!((full.num_equations(), joined.num_equations()), (15, 12));
-        let (mut a, mut b) = (vec![0.0; full.num_entries()], vec![0.0; joined.num_entries()]);
-        for (n, (p, q)) in pairs.into_iter().enumerate() {
-            let off = |i: usize, j: usize| (1 + n * 36 + 6 * i + j) as f64;
-            let on = |i: usize, j: usize| (3 + n + i * j + (i + j) * (i + j)) as f64;
-            for (pattern, values) in [(&full, &mut a), (&joined, &mut b)] {
-                pattern.add_block(values, p, q, off);
-                pattern.add_block(values, p, p, on);
-                pattern.add_block(values, q, q, on);
+        for (third, count) in [([1; 3], 21), ([3; 3], 24), ([1, 1, 3], 22)] {
+            let mut owner: [[usize; 6]; 6] = std::array::from_fn(|node| [node; 6]);
+            for node in [3, 5] {
+                owner[node] = [1, 1, 1, third[0], third[1], third[2]];
             }
-        }
-        let x: Vec<f64> = (0..12).map(|i| (1.0 + i as f64).sin()).collect();
-        let (mut expanded, mut reduced) = (vec![0.0; 15], vec![0.0; 12]);
-        for node in 0..5 {
-            for k in [0, 1, 5] {
-                expanded[full.equation(node, k).unwrap()] = x[joined.equation(node, k).unwrap()];
+            let joined = NodeGraph::new(&free, &owner, pairs.into_iter()).natural();
+            assert_eq!((full.num_equations(), joined.num_equations()), (33, count));
+            let (mut a, mut b) = (vec![0.0; full.num_entries()], vec![0.0; joined.num_entries()]);
+            for (n, (p, q)) in pairs.into_iter().enumerate() {
+                let off = |i: usize, j: usize| (1 + n * 36 + 6 * i + j) as f64;
+                let on = |i: usize, j: usize| (3 + n + i * j + (i + j) * (i + j)) as f64;
+                for (pattern, values) in [(&full, &mut a), (&joined, &mut b)] {
+                    pattern.add_block(values, p, q, off);
+                    pattern.add_block(values, p, p, on);
+                    pattern.add_block(values, q, q, on);
+                }
             }
-        }
-        let y = full.multiply(&a, &expanded);
-        for node in 0..5 {
-            for k in [0, 1, 5] {
-                reduced[joined.equation(node, k).unwrap()] += y[full.equation(node, k).unwrap()];
+            let x: Vec<f64> = (0..count).map(|i| (1.0 + i as f64).sin()).collect();
+            let (mut expanded, mut reduced) = (vec![0.0; 33], vec![0.0; count]);
+            let both = || (0..36).filter_map(|i| Some((full.equation(i / 6, i % 6)?, joined.equation(i / 6, i % 6)?)));
+            both().for_each(|(of_full, of_joined)| expanded[of_full] = x[of_joined]);
+            let y = full.multiply(&a, &expanded);
+            both().for_each(|(of_full, of_joined)| reduced[of_joined] += y[of_full]);
+            for (ours, exact) in joined.multiply(&b, &x).iter().zip(&reduced) {
+                assert!((ours - exact).abs() < 1e-12 * exact.abs().max(1.0), "{ours} {exact}");
             }
-        }
-        for (ours, exact) in joined.multiply(&b, &x).iter().zip(&reduced) {
-            assert!((ours - exact).abs() < 1e-12 * exact.abs().max(1.0), "{ours} {exact}");
+            let owned = (0..36).filter_map(|i| joined.own_equation(i / 6, i % 6)).collect::<Vec<_>>();
+            assert_eq!(owned.len(), count);
         }
     }
 
@@ -392,7 +440,7 @@ mod tests {
         let mut free = [[true; 6]; 5];
         (free[1], free[3]) = ([true, true, false, false, false, true], [false; 6]);
         let pairs = [(0, 1), (1, 2), (3, 4), (1, 4), (4, 2), (0, 4)];
-        let graph = NodeGraph::new(&free, &[0, 1, 2, 3, 4], pairs.into_iter());
+        let graph = NodeGraph::new(&free, &std::array::from_fn::<_, 5, _>(|node| [node; 6]), pairs.into_iter());
         let natural = graph.clone().natural();
         let other = graph.ordered(vec![4, 1, 3, 0, 2]);
         assert_eq!((natural.num_equations(), natural.num_entries()), (other.num_equations(), other.num_entries()));

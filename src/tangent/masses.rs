@@ -5,7 +5,6 @@
 
 use crate::math::Vec3;
 use crate::solve::Engine;
-use crate::solve::problem::engine::give_to_masters;
 
 /// Mass of each node.
 pub(super) struct Masses {
@@ -50,7 +49,7 @@ impl Masses {
             let spin = turn * mass.across + axis * ((mass.along - mass.across) * axis.dot(&turn));
             product.extend([v[0] * mass.line, v[1] * mass.line, v[2] * mass.line, spin.x, spin.y, spin.z]);
         }
-        give_to_masters(&mut product, &engine.master);
+        engine.give_to_masters(&mut product);
         product
     }
 }

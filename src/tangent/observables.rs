@@ -7,7 +7,7 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::element::{Material, Strain, evaluate, raw_strains};
 use crate::scene::{Model, NodeRef};
-use crate::solve::problem::engine::{Engine, give_to_masters};
+use crate::solve::problem::engine::Engine;
 use crate::solve::{RunError, State};
 
 /// A number of a state.
@@ -253,7 +253,7 @@ impl EquilibriumTangent<'_> {
                 }
             }
         }
-        give_to_masters(&mut out, &self.engine.master);
+        self.engine.give_to_masters(&mut out);
         Ok(out)
     }
 

@@ -28,7 +28,7 @@ use crate::math::bernstein::cubic_weights;
 use crate::rod::RodNumber;
 use crate::scene::model::unit;
 use crate::scene::{Model, NodeRef, ObstacleNumber};
-use crate::solve::problem::engine::{Engine, give_to_masters};
+use crate::solve::problem::engine::Engine;
 use crate::solve::problem::linearised::dot;
 use crate::solve::{RunError, State};
 
@@ -401,7 +401,7 @@ impl EquilibriumTangent<'_> {
             for (node, six) in &point.smallest {
                 (0..6).for_each(|k| forces[6 * node + k] += six[k]);
             }
-            give_to_masters(&mut forces, &self.engine.master);
+            self.engine.give_to_masters(&mut forces);
             responses.push(self.linearised.solve(&forces));
         }
         let count = self.closed.len();
@@ -563,7 +563,7 @@ impl EquilibriumTangent<'_> {
                 (0..6).for_each(|k| forces[6 * node + k] -= force * six[k]);
             }
         }
-        give_to_masters(&mut forces, &self.engine.master);
+        self.engine.give_to_masters(&mut forces);
         rate.forces.iter_mut().zip(&forces).for_each(|(sum, force)| *sum += force);
     }
 
@@ -602,7 +602,7 @@ impl EquilibriumTangent<'_> {
                 }
             }
         }
-        give_to_masters(&mut forces, &self.engine.master);
+        self.engine.give_to_masters(&mut forces);
         let by_law = self.linearised.driven(self.engine, motion);
         forces.iter_mut().zip(by_law).for_each(|(sum, force)| *sum += force);
         forces

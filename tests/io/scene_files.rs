@@ -14,7 +14,7 @@ use std::path::Path;
 use supercoil::io::run::run_scene;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Plectoneme, Shape};
-use supercoil::scene::{ContactLaw, Fidelity, Joint, NodeRef, PosePath, Ramp, Scene};
+use supercoil::scene::{ContactLaw, Fidelity, Joint, JointKind, LineLoad, NodeRef, PosePath, Ramp, Scene};
 use supercoil::solve::{Options, Solver, Status};
 
 const RING: &str = r#"

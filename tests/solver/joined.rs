@@ -38,7 +38,7 @@ fn node(rod: usize, node: usize) -> NodeRef {
 fn model(rods: Vec<Rod>, joints: &[[NodeRef; 2]], force: Vec3) -> Model {
     let end = node(rods.len() - 1, rods[rods.len() - 1].num_nodes() - 1);
     Model {
-        joints: joints.iter().map(|&[a, b]| Joint { a, b }).collect(),
+        joints: joints.iter().map(|&[a, b]| Joint::rigid(a, b)).collect(),
         supports: vec![Support::clamp(node(0, 0))],
         loads: vec![NodeLoad { node: end, force, moment: Vec3::zeros() }],
         contact: Contact::NONE,

@@ -34,7 +34,7 @@ fn frame(shear_factor: f64, elements: usize) -> Solver {
     let unit = 2.0 / LENGTH.powi(2);
     let model = Model {
         supports: vec![Support::pin(node(0, 0)), Support::pin(node(1, end))],
-        joints: vec![Joint { a: node(0, end), b: node(1, 0) }],
+        joints: vec![Joint::rigid(node(0, end), node(1, 0))],
         loads: vec![NodeLoad { node: node(1, end / 5), force: -Vec3::y() * unit, moment: Vec3::zeros() }],
         contact: Contact::NONE,
         rods,

@@ -37,6 +37,7 @@ mod michell_zajac;
 mod modes;
 mod obstacles;
 mod path_corners;
+mod pins_and_hinges;
 mod planar_touch;
 mod planes;
 mod plectoneme_under_tension;

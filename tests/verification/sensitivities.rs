@@ -222,7 +222,7 @@ fn joined_rods_across_a_bar() {
     };
     let (first, second) = (rod("first", Vec3::zeros(), Vec3::x()), rod("second", Vec3::x(), Vec3::y()));
     let last = first.num_nodes() - 1;
-    let joint = Joint { a: NodeRef { rod: 0, node: last }, b: NodeRef { rod: 1, node: 0 } };
+    let joint = Joint::rigid(NodeRef { rod: 0, node: last }, NodeRef { rod: 1, node: 0 });
     let node = NodeRef { rod: 0, node: 0 };
     let model = Model {
         supports: vec![Support::clamp(node)],

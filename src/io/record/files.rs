@@ -17,6 +17,7 @@ pub(super) const FINAL_STATE: &str = "final_state.csv";
 pub(super) const RESULTANTS: &str = "resultants.csv";
 pub(super) const SITES: &str = "sites.csv";
 pub(super) const LINES: &str = "lines.csv";
+pub(super) const JOINTS: &str = "joints.csv";
 pub(in crate::io) const BASE_PAIRS: &str = "base_pairs.csv";
 pub(in crate::io) const SUMMARY: &str = "summary.json";
 pub(super) const PICTURE: &str = "picture.png";
@@ -29,13 +30,14 @@ pub(super) const MODES_PICTURE: &str = "modes.png";
 pub(super) const SENSITIVITIES: &str = "sensitivities.csv";
 
 /// All files except those of single steps and those that explain columns.
-const ALL: [&str; 18] = [
+const ALL: [&str; 19] = [
     COLLECTION,
     TABLE,
     FINAL_STATE,
     RESULTANTS,
     SITES,
     LINES,
+    JOINTS,
     BASE_PAIRS,
     SUMMARY,
     PICTURE,
@@ -50,7 +52,7 @@ const ALL: [&str; 18] = [
     SCENE,
 ];
 /// Tables whose columns are explained in files of their own.
-const EXPLAINED: [&str; 5] = [TABLE, FINAL_STATE, RESULTANTS, SITES, LINES];
+const EXPLAINED: [&str; 6] = [TABLE, FINAL_STATE, RESULTANTS, SITES, LINES, JOINTS];
 const STEP: [&str; 2] = ["step_", ".vtp"];
 const OBSTACLES: [&str; 2] = ["obstacles_", ".vtp"];
 

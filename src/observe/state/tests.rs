@@ -43,7 +43,7 @@ fn scene() -> (Model, Vec<Stage>) {
     let node = |rod, node| NodeRef { rod, node };
     let clamps = [(UPPER, 0), (UPPER, 18), (LOWER, 0), (LOWER, 18), (ARM, 0)];
     let supports = clamps.map(|(rod, at)| Support::clamp(node(rod, at))).to_vec();
-    let joints = vec![Joint { a: node(ARM, 18), b: node(HAND, 0) }];
+    let joints = vec![Joint::rigid(node(ARM, 18), node(HAND, 0))];
     let loads = vec![NodeLoad { node: node(UPPER, 4), force: Vec3::new(0.0, 2.0, -1.0), moment: Vec3::y() * 0.1 }];
     let down = |at| Ramp::Displacement { node: node(UPPER, at), to: -Vec3::z() * 0.04 };
     let turn = Ramp::Rotation { node: node(LOWER, 18), axis: Vec3::new(0.3, 1.0, 0.0), to: 0.05 };
@@ -90,7 +90,7 @@ impl Resting {
         let progress =
             Progress { given, engine: &engine, stage: 0, step: 3, fraction: 1.0, report: &report, seconds: 0.0 };
         let sites = (&seen.sites[..], &seen.obstacle_sites[..]);
-        let (mut certificate, _) = certificate(&progress, sites, &seen.reactions, &seen.energies);
+        let (mut certificate, _) = certificate(&progress, sites, (&seen.reactions, &seen.joints), &seen.energies);
         certificate.checks.extend(topology::kept(&progress, &seen.links, &seen.linking, &seen.knots).0);
         certificate.checks.extend(stability(&progress));
         certificate.failures().map(|check| check.name.clone()).collect()

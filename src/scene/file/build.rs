@@ -10,17 +10,18 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::within;
 use crate::rod::{Along, Binding, Natural, Rod, RodMesh, RodNumber, Section, Shape, Stiffness};
-use crate::scene::{Contact, ContactLaw, Fidelity, Joint, LineLoad, Model, NodeLoad, Ramp, Stage, Support};
+use crate::scene::{Contact, ContactLaw, Fidelity, Joint, JointKind, LineLoad, Model, NodeLoad, Ramp, Stage, Support};
 use crate::scene::{Obstacle, ObstacleNumber, read_natural, smooth_points};
 
 use super::FollowChoice;
 use super::by_base_pairs::{Dna, electrostatics};
 use super::mesh::Unmeshed;
-use super::places::{find_rod, node, nodes};
+use super::places::{find_rod, find_rods, node, nodes};
 use super::section::{GivenSection, section};
 use super::shapes::{Wound, shape};
 use super::text::{
-    ContactText, EndText, LawText, RampText, RodText, SceneText, SequenceText, ShapeText, StageText, SupportText,
+    ContactText, EndText, JointText, JointWord, LawText, RampText, RodText, SceneText, SequenceText, ShapeText,
+    StageText, SupportText,
 };
 use super::values::{GripText, NaturalText};
 use super::{frames, gravity, memory, obstacles, poses, state};
@@ -75,17 +76,19 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<(Model, Vec<Opt
             let field = format!("joints[{i}].{name}");
             find_rod(&model.rods, &field, end.rod.as_deref()).and_then(|rod| node(&model.rods, &field, rod, end.at))
         };
-        model.joints.push(Joint { a: end("a", &joint.a)?, b: end("b", &joint.b)? });
+        let (a, b) = (end("a", &joint.a)?, end("b", &joint.b)?);
+        model.joints.push(Joint { a, b, kind: joint_kind(&format!("joints[{i}]"), joint)? });
     }
     for (i, load) in text.loads.iter().enumerate() {
         let field = format!("loads[{i}]");
-        let rod = find_rod(&model.rods, &field, load.rod.as_deref())?;
-        let node = node(&model.rods, &field, rod, load.at)?;
-        model.loads.push(NodeLoad { node, force: load.force.into(), moment: load.moment.into() });
+        let (force, moment) = (load.force.into(), load.moment.into());
+        let nodes = nodes(&model.rods, &field, &load.rod, load.at)?;
+        model.loads.extend(nodes.into_iter().map(|node| NodeLoad { node, force, moment }));
     }
     for (i, load) in text.line_loads.iter().enumerate() {
-        let rod = find_rod(&model.rods, &format!("line_loads[{i}]"), load.rod.as_deref())?;
-        model.line_loads.push(LineLoad { rod, force: load.force.into(), moment: load.moment.into() });
+        let (force, moment) = (load.force.into(), load.moment.into());
+        let loaded = find_rods(&model.rods, &format!("line_loads[{i}]"), &load.rod)?;
+        model.line_loads.extend(loaded.into_iter().map(|rod| LineLoad { rod, force, moment }));
     }
     gravity::check(text)?;
     for (index, rod) in text.rods.iter().enumerate() {
@@ -95,6 +98,21 @@ pub(super) fn model(text: &SceneText, base_dir: &Path) -> Result<(Model, Vec<Opt
     model.load = gravity::start_factor(text);
     model.obstacles = obstacles::obstacles(text, &model.rods)?;
     model.check().map(|()| (model, base_pairs))
+}
+
+fn joint_kind(field: &str, text: &JointText) -> Result<JointKind, InputError> {
+    match (text.kind, text.axis) {
+        (JointWord::Rigid, None) => Ok(JointKind::Rigid),
+        (JointWord::Pin, None) => Ok(JointKind::Pin),
+        (JointWord::Hinge, Some(axis)) => Ok(JointKind::Hinge { axis: axis.into() }),
+        (JointWord::Hinge, None) => {
+            Err(InputError::inconsistent(format!("{field}.axis"), "is missing: kind = \"hinge\" needs an axis"))
+        }
+        (JointWord::Rigid | JointWord::Pin, Some(_)) => {
+            let reason = "is of hinges only: set kind = \"hinge\", or leave the axis out";
+            Err(InputError::inconsistent(format!("{field}.axis"), reason))
+        }
+    }
 }
 
 fn supports(field: &str, text: &SupportText, rods: &[Rod]) -> Result<Vec<Support>, InputError> {

@@ -71,10 +71,14 @@ impl Unmeshed<'_> {
         let factor = largest(&mut stages().filter_map(|r| r.load).chain([gravity::start_factor(scene)]));
         let size = |v: List<f64, 3>| v.0.iter().map(|x| x * x).sum::<f64>().sqrt() * factor;
         let together = joined(scene, &rod.name);
-        let is_felt = |name: &Option<String>| name.as_deref().is_none_or(|name| together.contains(&name));
-        let loads = || scene.loads.iter().filter(|load| is_felt(&load.rod));
+        // a load as often as rods feel it
+        let felt = |names: &RodNames| match names.0.len() {
+            0 => 1,
+            _ => names.0.iter().filter(|name| together.contains(&name.as_str())).count(),
+        };
+        let loads = || scene.loads.iter().flat_map(|load| std::iter::repeat_n(load, felt(&load.rod)));
         let force: f64 = loads().map(|load| size(load.force)).sum();
-        let line_loads = || scene.line_loads.iter().filter(|load| is_felt(&load.rod));
+        let line_loads = || scene.line_loads.iter().flat_map(|load| std::iter::repeat_n(load, felt(&load.rod)));
         let spread: f64 = line_loads().map(|load| size(load.moment)).sum();
         let moment = loads().map(|load| size(load.moment)).sum::<f64>() + spread * length;
         let weight = gravity::weight(scene, rod, length)?.map_or(0.0, |weight| weight.norm() * factor);

@@ -21,21 +21,26 @@ pub(super) fn find_rod(rods: &[Rod], field: &str, name: Option<&str>) -> Result<
     }
 }
 
-/// The node `at` of each named rod; the only rod needs no name.
-pub(super) fn nodes(rods: &[Rod], field: &str, names: &RodNames, at: At) -> Result<Vec<NodeRef>, InputError> {
+/// Indices of the named rods; the only rod needs no name.
+pub(super) fn find_rods(rods: &[Rod], field: &str, names: &RodNames) -> Result<Vec<usize>, InputError> {
     if names.0.is_empty() {
-        return find_rod(rods, field, None).and_then(|rod| node(rods, field, rod, at)).map(|node| vec![node]);
+        return find_rod(rods, field, None).map(|rod| vec![rod]);
     }
     let mut found = Vec::new();
     for name in &names.0 {
-        let node = node(rods, field, find_rod(rods, field, Some(name))?, at)?;
-        if found.contains(&node) {
+        let rod = find_rod(rods, field, Some(name))?;
+        if found.contains(&rod) {
             let allowed = "named once in a list".to_owned();
             return Err(InputError::Name { field: format!("{field}.rod"), name: name.clone(), allowed });
         }
-        found.push(node);
+        found.push(rod);
     }
     Ok(found)
+}
+
+/// The node `at` of each named rod; the only rod needs no name.
+pub(super) fn nodes(rods: &[Rod], field: &str, names: &RodNames, at: At) -> Result<Vec<NodeRef>, InputError> {
+    find_rods(rods, field, names)?.into_iter().map(|rod| node(rods, field, rod, at)).collect()
 }
 
 pub(super) fn node(rods: &[Rod], field: &str, index: usize, at: At) -> Result<NodeRef, InputError> {

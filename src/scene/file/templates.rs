@@ -21,7 +21,7 @@ macro_rules! template {
 }
 
 /// All scenes to begin with.
-pub const TEMPLATES: [Template; 11] = [
+pub const TEMPLATES: [Template; 12] = [
     template!("minicircle", "a DNA minicircle supercoils"),
     template!("plasmid", "a plasmid, from the flat circle to a plectoneme"),
     template!("loop", "DNA between two sites that a protein holds: both ends' poses"),
@@ -29,6 +29,7 @@ pub const TEMPLATES: [Template; 11] = [
     template!("knot", "a closed trefoil knot comes to rest"),
     template!("overhand", "an overhand knot between grips, pulled tight"),
     template!("hanging", "a rope between two hooks under its weight, one hook moved in"),
+    template!("net", "a net of pinned cords, hung by its corners"),
     template!("cable", "three wires twisted into a cable"),
     template!("pulley", "a rope over a pulley: 5 N hold 5 N"),
     template!("tube", "a rod in a tube, pushed in at one end"),

@@ -50,7 +50,7 @@ pub(super) struct SceneText {
     /// Supports of nodes.
     #[serde(default, deserialize_with = "tables")]
     pub supports: Vec<SupportText>,
-    /// Nodes joined rigidly for good.
+    /// Nodes joined for good, rigidly, by pins or by hinges.
     #[serde(default, deserialize_with = "tables")]
     pub joints: Vec<JointText>,
     /// Dead forces and moments at nodes.
@@ -121,10 +121,25 @@ pub(super) struct JointText {
     #[serde(deserialize_with = "table")]
     #[schemars(extend("x-allowed" = "at one place with `b`"))]
     pub a: EndText,
-    /// The other node, joined rigidly to it.
+    /// The other node.
     #[serde(deserialize_with = "table")]
     #[schemars(extend("x-allowed" = "of another element"))]
     pub b: EndText,
+    /// What the nodes share besides their position: all rotation, none, or all but that about `axis`.
+    #[serde(default)]
+    pub kind: JointWord,
+    /// Axis of a hinge, in space, by the initial shapes; it turns with both rods. Hinges that meet at one point share one axis.
+    #[schemars(extend("x-allowed" = "`kind = \"hinge\"`; not zero; along z in a planar scene", "x-default" = "needed for a hinge"))]
+    pub axis: Option<List<f64, 3>>,
+}
+
+#[derive(Deserialize, JsonSchema, serde::Serialize, Clone, Copy, Default)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum JointWord {
+    #[default]
+    Rigid,
+    Pin,
+    Hinge,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -140,9 +155,10 @@ pub(super) struct EndText {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LoadText {
-    /// Rod whose node is loaded.
-    #[schemars(extend("x-value" = "name", "x-default" = "the only rod"))]
-    pub rod: Option<String>,
+    /// Rod whose node is loaded; each rod of a list bears the whole load.
+    #[serde(default)]
+    #[schemars(extend("x-default" = "the only rod"))]
+    pub rod: RodNames,
     /// Node that is loaded.
     pub at: At,
     /// Force; keeps its direction, times the load factor of the stages.
@@ -158,9 +174,10 @@ pub(super) struct LoadText {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LineLoadText {
-    /// Rod that is loaded.
-    #[schemars(extend("x-value" = "name", "x-default" = "the only rod"))]
-    pub rod: Option<String>,
+    /// Rod that is loaded; each rod of a list bears the whole load.
+    #[serde(default)]
+    #[schemars(extend("x-default" = "the only rod"))]
+    pub rod: RodNames,
     /// Force per reference length; keeps its direction, times the load factor of the stages.
     #[serde(default)]
     #[schemars(extend("x-unit" = "F/L"))]

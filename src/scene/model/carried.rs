@@ -50,9 +50,11 @@ impl Model {
                 self.load_on(&body)
             ));
         }
-        if let Some(axis) = self.free_axis(&body, &loads) {
+        // what pins and hinges let turn may turn, though others hold the rest
+        let part = self.rigidly_joined_rods(rod);
+        if let Some(axis) = self.free_axis(&body, &loads).or_else(|| self.free_axis(&part, &self.dead_loads(&part))) {
             return refuse(format!(
-                "{} turns it about the axis ({}, {}, {}), about which its supports leave it free to turn and no force \
+                "{} turns it about the axis ({}, {}, {}), about which its supports and joints leave it free to turn and no force \
                  could stop it: add a support that holds it",
                 self.load_on(&body),
                 axis.x,
@@ -153,6 +155,18 @@ impl Model {
                 if support.rotation[k] {
                     constrain(Vec3::zeros(), axes[k]);
                 }
+            }
+        }
+        // joints with other bodies hold it as if these were fixed
+        for joint in &self.joints {
+            let (node, other) = if body.contains(&joint.a.rod) { (joint.a, joint.b) } else { (joint.b, joint.a) };
+            if !body.contains(&node.rod) || body.contains(&other.rod) {
+                continue;
+            }
+            let arm = (self.rods[node.rod].positions[node.node] - origin) / length;
+            axes.iter().for_each(|axis| constrain(*axis, arm.cross(axis)));
+            if let Some(axis) = self.hinge_axis(joint) {
+                axes.iter().for_each(|e| constrain(Vec3::zeros(), e - axis * axis.dot(e)));
             }
         }
         let eigen = normal.symmetric_eigen();

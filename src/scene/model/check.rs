@@ -4,7 +4,7 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
 
-use super::{ContactLaw, Electrostatics, Model, NodeRef, ObstacleNumber, Pose, Ramp, Stage};
+use super::{ContactLaw, Electrostatics, Joint, JointKind, Model, NodeRef, ObstacleNumber, Pose, Ramp, Stage, unit};
 
 /// Out-of-plane parts of directions and frames below this (of 1) count as rounding.
 const TOL_PLANE: f64 = 1e-9;
@@ -21,6 +21,8 @@ const MOST_DEBYE: f64 = 100.0;
 const MOST_PIECES: f64 = 256.0;
 /// Largest distance of joined nodes, over the length of the longer rod.
 const TOL_JOINT: f64 = 1e-9;
+/// Largest sine of the angle between axes that are one, because axes are given with ten digits.
+const TOL_AXIS: f64 = 1e-9;
 
 impl Model {
     /// Refuses a model that is not a well-posed problem; the error names the field, its value and the legal range.
@@ -58,6 +60,7 @@ impl Model {
         self.check_electrostatics()?;
         self.check_obstacles()?;
         self.joints.iter().enumerate().try_for_each(|(i, joint)| self.check_joint(&format!("joints[{i}]"), joint))?;
+        self.check_hinges()?;
         if self.planar {
             self.check_planar()?;
         }
@@ -128,6 +131,7 @@ impl Model {
                               hold all rotations or none, or two";
                 return Err(InputError::inconsistent(&field, reason));
             }
+            self.check_supports_at_hinges(&field, support.node)?;
         }
         (0..self.rods.len()).try_for_each(|rod| self.check_carried(&format!("{stage}: "), rod, 1.0))
     }
@@ -368,6 +372,39 @@ impl Model {
             return Err(InputError::inconsistent(field, reason));
         }
         Ok(())
+    }
+
+    /// Refuses axes that are none, hinges about several axes at one point, and supports there that hold some rotations only.
+    fn check_hinges(&self) -> Result<(), InputError> {
+        let axis = |joint: &Joint| if let JointKind::Hinge { axis } = joint.kind { Some(axis) } else { None };
+        for (i, joint) in self.joints.iter().enumerate() {
+            let Some(own) = axis(joint) else { continue };
+            let field = format!("joints[{i}]");
+            self.check_axis(&field, &own)?;
+            let here = self.hinged_nodes(joint.a);
+            let is_here = |other: &&Joint| here.contains(&other.a);
+            let is_apart = |other: Vec3| unit(&other).cross(&unit(&own)).norm() > TOL_AXIS;
+            if self.joints[..i].iter().filter(is_here).filter_map(axis).any(is_apart) {
+                let reason = "is not parallel to that of another hinge at this point: hinges that meet at one point share one \
+                              axis; put them at different nodes";
+                return Err(InputError::inconsistent(format!("{field}.axis"), reason));
+            }
+            here.iter().try_for_each(|node| self.check_supports_at_hinges(&field, *node))?;
+        }
+        Ok(())
+    }
+
+    fn check_supports_at_hinges(&self, field: &str, node: NodeRef) -> Result<(), InputError> {
+        let is_hinge = |other: &NodeRef| {
+            self.joints.iter().any(|joint| self.hinge_axis(joint).is_some() && [joint.a, joint.b].contains(other))
+        };
+        let count = self.fixed(node).1.iter().filter(|held| **held).count();
+        let whole = self.planar || count == 0 || count == 3 || !self.hinged_nodes(node).iter().any(is_hinge);
+        let reason = format!(
+            "is at a hinge, and its supports hold {count} of three rotations at node {}: hold all of them or none",
+            node.node
+        );
+        self.require(whole, field, node.rod, &reason)
     }
 
     fn check_electrostatics(&self) -> Result<(), InputError> {

@@ -168,8 +168,8 @@ fn rounding_of_reactions(engine: &Engine, changes: &Changes) -> f64 {
 
 fn work_of_motions(engine: &Engine, residual: &Residual, changes: &Changes) -> f64 {
     let force = |node: usize| {
-        let first = 6 * engine.master[node];
-        let of = |k: usize| Vec3::from_column_slice(&residual.gradient[first + k..first + k + 3]);
+        let owner = &engine.sharing.owner[node];
+        let of = |k: usize| Vec3::from_column_slice(&residual.gradient[6 * owner[k] + k..6 * owner[k] + k + 3]);
         (of(0), of(3))
     };
     let seams = changes.drive.seams.iter().zip(&residual.seam_moments).map(|(angle, moment)| angle * moment);

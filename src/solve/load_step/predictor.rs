@@ -236,7 +236,7 @@ impl History {
             }
         }
         drive.add_to(&mut increment);
-        engine.join_increment(&mut increment);
+        engine.join_increment(&line[0].1.state, &mut increment);
         Some(Prediction { increment, forces, uncertainty })
     }
 }

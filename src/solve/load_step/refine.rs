@@ -39,7 +39,7 @@ impl Model {
         Self {
             rods,
             supports: self.supports.iter().map(|s| Support { node: node(s.node), ..*s }).collect(),
-            joints: self.joints.iter().map(|j| Joint { a: node(j.a), b: node(j.b) }).collect(),
+            joints: self.joints.iter().map(|j| Joint { a: node(j.a), b: node(j.b), kind: j.kind }).collect(),
             loads: self.loads.iter().map(|load| NodeLoad { node: node(load.node), ..*load }).collect(),
             line_loads: self.line_loads.clone(),
             load: self.load,

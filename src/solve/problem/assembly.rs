@@ -15,7 +15,7 @@ use crate::contact::potential::{CandidateTerms, ContactPair, Request};
 use crate::error::SolveError;
 use crate::rod::element::{ElementOutput, ElementTangent, Strain};
 use crate::solve::measures::LAST_PLACES;
-use crate::solve::problem::engine::{Engine, give_to_masters};
+use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
@@ -127,13 +127,25 @@ impl Engine {
     }
 
     fn residual_besides(&self, state: &State, request: Request) -> Residual {
+        let mut out = self.residual_of_nodes(state, request);
+        self.join(&mut out);
+        out
+    }
+
+    /// Forces and moments that joints and supports must exert on each node at `state`, six numbers a node; contact must be up to
+    /// date for it.
+    pub(crate) fn forces_on_nodes(&self, state: &State) -> Vec<f64> {
+        self.residual_of_nodes(state, Request::default()).gradient
+    }
+
+    /// The gradient by the unknowns of each node, as if it were joined to none.
+    fn residual_of_nodes(&self, state: &State, request: Request) -> Residual {
         self.install(|| {
             let mut out = self.start_residual(state);
             self.add_element_gradients(state, &mut out);
             self.add_contact(request, &mut out, None);
             self.add_electrostatics(&mut out, None);
             self.add_loads(state, &mut out, None);
-            self.join(&mut out);
             out
         })
     }
@@ -154,10 +166,11 @@ impl Engine {
             self.add_contact(Request { zones: false, tangent: true }, &mut out, Some(&mut sink));
             self.add_electrostatics(&mut out, Some(&mut sink));
             self.add_loads(state, &mut out, Some(&mut sink));
+            self.add_hinges(&out.gradient, (pattern, &out.bases), sink.values);
             self.join(&mut out);
             out
         });
-        give_to_masters(&mut tangent.drive, &self.master);
+        out.bases.give_to_masters(&self.sharing, &mut tangent.drive);
         out
     }
 
@@ -183,14 +196,14 @@ impl Engine {
             |nodes: &'_ Vec<usize>| nodes.iter().flat_map(|&a| nodes.iter().map(move |&c| (a, c))).collect::<Vec<_>>();
         NodeGraph::new(
             &self.equations,
-            &self.master,
+            &self.sharing.owner,
             elements.chain(contacts).chain(bodies).chain(coupled.iter().flat_map(pairs)),
         )
     }
 
     fn join(&self, out: &mut Residual) {
-        give_to_masters(&mut out.gradient, &self.master);
-        give_to_masters(&mut out.magnitude, &self.master);
+        out.bases.give_to_masters(&self.sharing, &mut out.gradient);
+        self.sharing.give_sizes(&mut out.magnitude);
         out.rounding = self.rounding_of_potential(out);
     }
 
@@ -209,7 +222,7 @@ impl Engine {
             gradient: vec![0.0; n],
             magnitude: vec![0.0; n],
             seam_moments: vec![0.0; self.model.rods.len()],
-            bases: Bases::at(&self.swivels, state),
+            bases: self.bases(state),
             ..Residual::default()
         }
     }

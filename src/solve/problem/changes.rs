@@ -54,7 +54,7 @@ impl Engine {
         }
         self.check_joined(&state)?;
         self.state = state;
-        self.followers.iter().for_each(|follower| follower.follow(&mut self.state));
+        self.sharing.follow(&mut self.state);
         self.take_numbers()?;
         self.take_tangents();
         Ok(())

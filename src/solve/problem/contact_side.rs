@@ -15,7 +15,6 @@ use crate::solve::measures::NOTHING;
 use crate::solve::problem::carrier::Carrier;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_tangents::MaterialTangents;
-use crate::solve::problem::joint_surroundings::joint_surroundings;
 use crate::solve::problem::state::State;
 
 /// Contact side of the engine; absent when the law is none.
@@ -61,6 +60,22 @@ pub(crate) struct ContactSide {
     pub(crate) is_current: bool,
 }
 
+/// Pairs i < j of segments of rods that take part in contact, between which joints leave it out. Segments are numbered rod by rod,
+/// in the order of `touching`.
+fn at_joints(model: &Model, touching: &[usize]) -> Vec<[u32; 2]> {
+    let before = |rod: usize| touching.iter().take_while(move |other| **other != rod);
+    let first = |rod: usize| before(rod).map(|&rod| model.rods[rod].num_segments()).sum::<usize>();
+    let mut pairs = Vec::new();
+    for piece in model.joint_surroundings() {
+        let [a, b] = piece.map(|piece| {
+            let first = first(piece.rod());
+            piece.segments(&model.rods[piece.rod()]).map(|k| (first + k) as u32).collect::<Vec<_>>()
+        });
+        a.iter().for_each(|&i| pairs.extend(b.iter().map(|&j| [i.min(j), i.max(j)])));
+    }
+    pairs
+}
+
 impl ContactSide {
     /// Curves of the rods that have a contact radius, under a penalty of the given dimensionless stiffness κ ε⁴/B, ε the
     /// smallest radius, B `bending`, with the model's obstacles and charges; `None` if no rod has one.
@@ -81,7 +96,7 @@ impl ContactSide {
         let (set, nodes) = curves(model, first_node, (state, &tangents), &touching)?;
         let min_radius = (0..set.len()).map(|segment| set.radius_of(segment)).fold(f64::INFINITY, f64::min);
         let mut exclusion = Exclusion::new();
-        exclusion.leave_out(joint_surroundings(model, &touching));
+        exclusion.leave_out(at_joints(model, &touching));
         let carriers = Carrier::all(model, first_node, &touching);
         let screened = |Electrostatics { strength, debye_length }| Screened { strength, debye_length };
         let repulsion = model.electrostatics.map(|charges| {

@@ -13,12 +13,12 @@ use crate::math::shape_functions::ShapeTable;
 use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, ElementProperties, Material, RodPlane, Strain, raw_strains, stiffness};
 use crate::rod::{Along, Natural, NaturalStrains, Rod};
-use crate::scene::{ContactLaw, Model, NodeRef, Obstacle};
+use crate::scene::{ContactLaw, Joint, JointKind, Model, NodeRef, Obstacle};
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::contact_tangents::MaterialTangents;
-use crate::solve::problem::follower::Follower;
+use crate::solve::problem::follower::Sharing;
 use crate::solve::problem::state::State;
-use crate::solve::problem::swivel::Swivel;
+use crate::solve::problem::swivel::{Bases, Swivel};
 
 /// Largest rounding of the start, over the node spacing, because meshes do not tell shapes as near apart.
 const MAX_RESOLUTION: f64 = 1e-3;
@@ -55,11 +55,9 @@ pub struct Engine {
     pub(crate) equations: Vec<[bool; 6]>,
     /// Supports that hold rotation about one axis.
     pub(crate) swivels: Vec<Swivel>,
-    /// The node whose unknowns a node shares: itself unless joined. Joined nodes but the master are not free, carry no
-    /// mass, and their share of the gradient is the master's.
-    pub(crate) master: Vec<usize>,
-    /// Joined nodes but the masters.
-    pub(crate) followers: Vec<Follower>,
+    /// What joined nodes share. Unknowns of another node are not free, carry no mass, and their share of the gradient is the
+    /// owner's.
+    pub(crate) sharing: Sharing,
     pub(crate) state: State,
     pub(crate) contact: Option<ContactSide>,
     /// The contact law as it was asked for: by the mesh, its stiffness follows the numbers of the rods.
@@ -158,7 +156,7 @@ impl Engine {
             first_node.push(first_node[first_node.len() - 1] + rod.num_nodes());
         }
         let num_nodes = first_node[model.rods.len()];
-        let master = masters(&model, &first_node, num_nodes);
+        let sharing = Sharing::of(&model, &first_node);
         let mut state = State {
             remainders: vec![Vec3::zeros(); num_nodes],
             positions: model.rods.iter().flat_map(|r| r.positions.iter().copied()).collect(),
@@ -169,15 +167,14 @@ impl Engine {
             placements: model.obstacles.iter().map(Obstacle::start).collect(),
             numbers: BTreeMap::new(),
         };
-        let followers = Follower::all(&state.frames, &master);
-        followers.iter().for_each(|follower| follower.follow(&mut state));
+        sharing.follow(&mut state);
         let elements = build_elements(&model, &first_node);
         let scales = scales(&model);
         let pool = threads.map(Pool::new).transpose()?;
         let mut engine = Self {
             tables: [ShapeTable::new(1), ShapeTable::new(2), ShapeTable::new(3)],
             material: materials(&model),
-            metric: metric(&model, &scales, &master),
+            metric: metric(&model, &scales, &sharing),
             reference: Vec::new(),
             planes: planes(&model),
             contact: None,
@@ -188,8 +185,7 @@ impl Engine {
             free: Vec::new(),
             equations: Vec::new(),
             swivels: Vec::new(),
-            master,
-            followers,
+            sharing,
             state,
             scales,
             pool,
@@ -261,16 +257,36 @@ impl Engine {
         self.free[self.nodes(rod)].iter().any(|node| !node.contains(&true))
     }
 
+    /// Whether supports hold an unknown of a node, its own or that which it shares; of hinged nodes the third rotation is that
+    /// about the axis.
+    pub(crate) fn is_held(&self, node: usize, k: usize) -> bool {
+        !self.equations[self.sharing.owner[node][k]][k]
+    }
+
     /// Whether a support holds rotations of a node, some or all, or another rod that is joined to it does.
     pub(crate) fn is_turning_held(&self, node: usize) -> bool {
-        self.free[node][3..] != [true; 3]
-            || self.swivels.iter().any(|swivel| swivel.nodes.contains(&node))
-            || self.is_joined_node(node)
+        self.free[node][3..] != [true; 3] || self.is_swivel(node) || self.is_turning_joined(node)
     }
 
     /// Whether a rod is joined to another one, or to itself.
     pub(crate) fn is_joined(&self, rod: usize) -> bool {
         self.model.joints.iter().any(|joint| joint.a.rod == rod || joint.b.rod == rod)
+    }
+
+    /// Whether rigid joints or hinges turn a rod with another one, or with itself.
+    pub(crate) fn is_turned_by_joints(&self, rod: usize) -> bool {
+        let turns = |joint: &&Joint| joint.kind != JointKind::Pin;
+        self.model.joints.iter().filter(turns).any(|joint| joint.a.rod == rod || joint.b.rod == rod)
+    }
+
+    /// Bases of the rotations of nodes in a state.
+    pub(crate) fn bases(&self, state: &State) -> Bases {
+        Bases::at((&self.swivels, &self.sharing.hinged), state)
+    }
+
+    /// Whether a support holds the rotation of a node about one axis.
+    pub(crate) fn is_swivel(&self, node: usize) -> bool {
+        self.swivels.iter().any(|swivel| swivel.nodes.contains(&node))
     }
 
     /// Whether a rod bears loads, at nodes or along itself.
@@ -311,16 +327,24 @@ impl Engine {
     pub(crate) fn measure_again(&mut self) {
         self.scales = scales(&self.model);
         self.material = materials(&self.model);
-        self.metric = metric(&self.model, &self.scales, &self.master);
+        self.metric = metric(&self.model, &self.scales, &self.sharing);
         self.planes = planes(&self.model);
     }
 
     /// Tells by the supports which components of the nodes are unknown.
     pub(crate) fn find_unknowns(&mut self) {
-        self.equations = free_unknowns(&self.model, &self.first_node, &self.master);
-        self.swivels = Swivel::all(&self.model, &self.equations, &self.master);
+        self.sharing = Sharing::of(&self.model, &self.first_node);
+        self.equations = free_unknowns(&self.model, &self.first_node, &self.sharing.owner);
+        self.swivels = Swivel::all(&self.model, &self.equations, &self.sharing.owner);
         self.free.clone_from(&self.equations);
         self.swivels.iter().for_each(|swivel| self.free[swivel.nodes[0]][3 + swivel.axis] = true);
+        // a rotation about a hinge's axis has components about x, y and z
+        for (node, owner) in
+            self.sharing.owner.iter().enumerate().filter(|(node, owner)| owner[5] == *node && owner[3] != *node)
+        {
+            debug_assert!(owner[4] == owner[3]);
+            self.free[node][3..].fill(self.equations[node][5]);
+        }
     }
 
     /// Node positions of a rod \[L\].
@@ -427,30 +451,18 @@ fn planes(model: &Model) -> Vec<Option<RodPlane>> {
     model.rods.iter().map(plane).collect()
 }
 
-fn masters(model: &Model, first_node: &[usize], num_nodes: usize) -> Vec<usize> {
-    let index = |n: &NodeRef| first_node[n.rod] + n.node;
-    let mut master: Vec<usize> = (0..num_nodes).collect();
-    for joint in &model.joints {
-        for node in [joint.a, joint.b] {
-            let first = model.joined_nodes(node).iter().map(index).min();
-            master[index(&node)] = first.unwrap_or(index(&node));
-        }
-    }
-    master
-}
-
-fn free_unknowns(model: &Model, first_node: &[usize], master: &[usize]) -> Vec<[bool; 6]> {
+fn free_unknowns(model: &Model, first_node: &[usize], owner: &[[usize; 6]]) -> Vec<[bool; 6]> {
     let all = if model.planar { [true, true, false, false, false, true] } else { [true; 6] };
-    let mut free = vec![all; master.len()];
+    let mut free = vec![all; owner.len()];
     for support in &model.supports {
-        let flags = &mut free[master[first_node[support.node.rod] + support.node.node]];
+        let owner = &owner[first_node[support.node.rod] + support.node.node];
         for k in 0..3 {
-            flags[k] &= !support.position[k];
-            flags[k + 3] &= !support.rotation[k];
+            free[owner[k]][k] &= !support.position[k];
+            free[owner[k + 3]][k + 3] &= !support.rotation[k];
         }
     }
-    for (_, flags) in free.iter_mut().enumerate().filter(|(node, _)| master[*node] != *node) {
-        *flags = [false; 6];
+    for (node, flags) in free.iter_mut().enumerate() {
+        (0..6).for_each(|k| flags[k] &= owner[node][k] == node);
     }
     free
 }
@@ -484,7 +496,7 @@ fn scales(model: &Model) -> Scales {
 /// 882 with 1, in 671 with 8; a minicircle takes 442, 481 and 530 in all.
 const LEVER: f64 = 3.0;
 
-fn metric(model: &Model, scales: &Scales, master: &[usize]) -> Vec<f64> {
+fn metric(model: &Model, scales: &Scales, sharing: &Sharing) -> Vec<f64> {
     let unit = scales.bending / scales.length.powi(4);
     let of_rod = |rod: &Rod| {
         let lever = LEVER * rod.spacing();
@@ -493,16 +505,6 @@ fn metric(model: &Model, scales: &Scales, master: &[usize]) -> Vec<f64> {
         [position, position, position, rotation, rotation, rotation].repeat(rod.num_nodes())
     };
     let mut all: Vec<f64> = model.rods.iter().flat_map(of_rod).collect();
-    give_to_masters(&mut all, master);
+    sharing.give_sizes(&mut all);
     all
-}
-
-/// Moves six numbers of each joined node to its master.
-pub(crate) fn give_to_masters(values: &mut [f64], master: &[usize]) {
-    for (node, &to) in master.iter().enumerate().filter(|(node, to)| node != *to) {
-        for k in 0..6 {
-            let share = std::mem::take(&mut values[6 * node + k]);
-            values[6 * to + k] += share;
-        }
-    }
 }

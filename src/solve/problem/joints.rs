@@ -1,53 +1,118 @@
 //! Joined nodes: the one place that says where they are.
 //!
-//! Joined nodes share the unknowns of the first of them, their master. Every state in which nodes have moved is made by
-//! [`Engine::retract`] or taken by [`Engine::set_state`]. Both put the other nodes of a joint where its master is, and turn their
-//! frames with the master's, so that no increment can part them.
+//! Joined nodes share unknowns of the first of them: their position, and of their rotation all (rigid joints), none (pins) or
+//! what is not about an axis (hinges). Every state in which nodes have moved is made by [`Engine::retract`] or taken by
+//! [`Engine::set_state`]. Both put the other nodes of a joint where the first one is, and turn their frames with it, so that no
+//! increment can part them.
+//!
+//! The rotations of hinged nodes have three components in one basis (p, q, e), e the axis in space: those about p and q are
+//! shared, that about e is each node's own. A node b that follows a has R_b = R_a T exp(θ ē), so a motion by the rotation vectors
+//! a and b = a + φe, φ = (b − a)·e, makes
+//!
+//! ```text
+//! exp(a) exp(φe) R_b = exp(a + φe + ½φ a × e + …) R_b
+//! ```
+//!
+//! The last term does work ½φ M·(a × e) with the moment M that the potential's gradient has at b: it belongs to the tangent.
 
 use crate::error::InputError;
+use crate::math::Vec3;
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::follower::Follower;
+use crate::solve::problem::follower::{Follower, Turning};
 use crate::solve::problem::state::State;
+use crate::solve::problem::swivel::Bases;
+use crate::sparse::Pattern;
 
 /// Largest distance over the node spacing, and turn, rad, of joined nodes, because numbers are given with six digits.
 const MAX_GAP: f64 = 1e-6;
 
 impl Engine {
-    /// Moves every node by `t` times its six increments; joined nodes by those of their master.
+    /// Moves every node by `t` times its six increments; joined nodes by those they share.
     pub(crate) fn retract(&self, state: &State, increment: &[f64], t: f64) -> State {
         let mut next = state.moved(increment, t);
-        self.followers.iter().for_each(|follower| follower.follow(&mut next));
+        self.sharing.follow(&mut next);
         next
     }
 
-    /// Gives joined nodes the increments of their master.
-    pub(crate) fn join_increment(&self, increment: &mut [f64]) {
-        for follower in &self.followers {
-            let first = 6 * follower.master;
-            increment.copy_within(first..first + 6, 6 * follower.node);
+    /// Gives joined nodes the increments that they share, at a state.
+    pub(crate) fn join_increment(&self, state: &State, increment: &mut [f64]) {
+        let rotation = |all: &[f64], node: usize| Vec3::from_column_slice(&all[6 * node + 3..6 * node + 6]);
+        for Follower { node, master, turning } in &self.sharing.followers {
+            increment.copy_within(6 * master..6 * master + 3, 6 * node);
+            let turn = match turning {
+                Turning::Own => continue,
+                Turning::With { node: other, .. } => rotation(increment, *other),
+                Turning::About { node: other, axis, .. } => {
+                    let (axis, shared) = (state.frames[*node] * axis, rotation(increment, *other));
+                    shared + axis * axis.dot(&(rotation(increment, *node) - shared))
+                }
+            };
+            increment[6 * node + 3..6 * node + 6].copy_from_slice(turn.as_slice());
         }
     }
 
-    /// Whether a node is joined to another.
-    pub(crate) fn is_joined_node(&self, node: usize) -> bool {
-        self.followers.iter().any(|follower| follower.node == node || follower.master == node)
+    /// Moves the forces and moments on joined nodes, six numbers a node, to the owners of the unknowns in the engine's state.
+    pub(crate) fn give_to_masters(&self, forces: &mut [f64]) {
+        if !self.sharing.followers.is_empty() {
+            self.bases(&self.state).give_to_masters(&self.sharing, forces);
+        }
+    }
+
+    /// Adds to the tangent what the rotations of hinged nodes do in second order to a gradient of forces and moments on nodes.
+    pub(in crate::solve) fn add_hinges(
+        &self,
+        gradient: &[f64],
+        (pattern, bases): (&Pattern, &Bases),
+        values: &mut [f64],
+    ) {
+        for hinged in &self.sharing.hinged {
+            for &node in hinged.nodes.iter().filter(|node| **node != hinged.first) {
+                if self.sharing.owner[node][5] == hinged.first {
+                    continue;
+                }
+                let axis = bases.axis(node);
+                let moment = Vec3::from_column_slice(&gradient[6 * node + 3..6 * node + 6]);
+                let across = axis.cross(&moment);
+                for (at, sign) in [(node, 0.5), (hinged.first, -0.5)] {
+                    bases.add_block(pattern, values, (at, at), |i, j| {
+                        let product = |i: usize, j: usize| axis[i - 3] * across[j - 3];
+                        if i < 3 || j < 3 { 0.0 } else { sign * (product(i, j) + product(j, i)) }
+                    });
+                }
+            }
+        }
+    }
+
+    /// Whether rigid joints or hinges make a node turn with another.
+    pub(crate) fn is_turning_joined(&self, node: usize) -> bool {
+        let is_with = |follower: &Follower| match follower.turning {
+            Turning::Own => false,
+            Turning::With { node: other, .. } | Turning::About { node: other, .. } => {
+                follower.node == node || other == node
+            }
+        };
+        self.sharing.followers.iter().any(is_with)
     }
 
     /// Refuses a state whose joined nodes are [`MAX_GAP`] × node spacing apart, or [`MAX_GAP`] rad from how they were joined.
     pub(crate) fn check_joined(&self, state: &State) -> Result<(), InputError> {
         let parted = |follower: &&Follower| {
             let apart = state.chord(follower.master, follower.node).norm() / self.scales.lever;
-            let turned = state.frames[follower.node].angle_to(&(state.frames[follower.master] * follower.turn));
+            let turned = follower.turned_off(state);
             // not a number is parted, too
             !(apart <= MAX_GAP && turned <= MAX_GAP)
         };
-        let Some(follower) = self.followers.iter().find(parted) else { return Ok(()) };
+        let Some(follower) = self.sharing.followers.iter().find(parted) else { return Ok(()) };
         let [a, b] = [follower.master, follower.node].map(|node| {
             let rod = self.rod_of(node);
             format!("node {} of rod \"{}\"", node - self.first_node[rod], self.model.rods[rod].name)
         });
-        let reason = format!("parts joined nodes: {a} and {b} must coincide, and their frames be as they were joined");
-        Err(InputError::inconsistent("state", reason))
+        let how = match follower.turning {
+            Turning::Own => "",
+            Turning::With { .. } => ", and their frames be as they were joined",
+            Turning::About { .. } => ", and their frames turn about the axis of their hinge only",
+        };
+        Err(InputError::inconsistent("state", format!("parts joined nodes: {a} and {b} must coincide{how}")))
     }
 }
 
@@ -57,11 +122,14 @@ mod tests {
     use crate::math::Vec3;
     use crate::math::quaternion::exp;
     use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
-    use crate::scene::{Contact, Joint, Model, NodeRef, Support};
+    use crate::scene::{Contact, Joint, JointKind, Model, NodeRef, Support};
+    use crate::solve::problem::assembly::Tangent;
+    use crate::solve::problem::prescribed_motion::PrescribedMotion;
+    use crate::solve::problem::reduction::Reduction;
 
     /// Three rods at angles, joined at the origin; the first is clamped at its other end.
-    fn star() -> Engine {
-        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.0);
+    fn star(kinds: [JointKind; 2]) -> Engine {
+        let section = Section::isotropic(1.0, 1.0, 30.0, 20.0, 0.0);
         let rod = |name: &str, from: Vec3, to: Vec3| {
             let shape = Shape::Line { start: from, direction: to - from, length: (to - from).norm() };
             Rod::new(name, &shape, RodMesh::open(4, 3), section, Natural::Straight).unwrap()
@@ -69,7 +137,7 @@ mod tests {
         let o = Vec3::zeros();
         let rods = vec![rod("a", -Vec3::x(), o), rod("b", o, Vec3::y()), rod("c", o, Vec3::new(1.0, 0.0, 1.0))];
         let [a, b, c] = [(0, 12), (1, 0), (2, 0)].map(|(rod, node)| NodeRef { rod, node });
-        let joints = vec![Joint { a, b }, Joint { a: b, b: c }];
+        let joints = vec![Joint { a, b, kind: kinds[0] }, Joint { a: b, b: c, kind: kinds[1] }];
         let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 })];
         Engine::new(Model { rods, joints, supports, contact: Contact::NONE, ..Model::default() }, None).unwrap()
     }
@@ -77,8 +145,8 @@ mod tests {
     /// No increment parts joined nodes, whatever it has for each of them.
     #[test]
     fn joined_nodes_move_as_their_master() {
-        let engine = star();
-        assert_eq!(engine.followers.len(), 2);
+        let engine = star([JointKind::Rigid; 2]);
+        assert_eq!(engine.sharing.followers.len(), 2);
         let before = engine.state.clone();
         let wild: Vec<f64> = (0..6 * engine.num_nodes()).map(|k| (1.7 * k as f64).sin()).collect();
         let after = engine.retract(&engine.retract(&before, &wild, 1.0), &wild, 0.3);
@@ -92,10 +160,72 @@ mod tests {
         engine.check_joined(&after).unwrap();
     }
 
+    fn hinge() -> JointKind {
+        JointKind::Hinge { axis: Vec3::new(0.3, -0.7, 0.9) }
+    }
+
+    /// Six numbers a node without a rule.
+    fn wild(engine: &Engine) -> Vec<f64> {
+        (0..6 * engine.num_nodes()).map(|k| (1.7 * k as f64 + 0.3 * (k * k) as f64).sin()).collect()
+    }
+
+    /// Whatever an increment has for each of them, nodes at a pin stay together, at a hinge also the axis on both rods.
+    #[test]
+    fn pins_and_hinges_stay_together() {
+        let (rigid, pin, hinge) = (JointKind::Rigid, JointKind::Pin, hinge());
+        for kinds in [[pin, pin], [pin, rigid], [hinge, pin], [hinge, rigid], [rigid, hinge], [hinge, hinge]] {
+            let engine = star(kinds);
+            let (before, increment) = (engine.state.clone(), wild(&engine));
+            let after = engine.retract(&engine.retract(&before, &increment, 0.8), &increment, 0.3);
+            engine.check_joined(&after).unwrap();
+            let turns = [12, 13, 26].map(|node| after.frames[node] * before.frames[node].inverse());
+            for (k, kind) in kinds.iter().enumerate() {
+                assert_eq!(after.chord(12 + k, [13, 26][k]), Vec3::zeros());
+                let between = turns[k].inverse() * turns[k + 1];
+                match kind {
+                    JointKind::Rigid => assert!(between.angle() < 1e-15, "{}", between.angle()),
+                    JointKind::Pin => assert!(between.angle() > 0.1),
+                    JointKind::Hinge { axis } => {
+                        assert!(between.angle() > 0.1 && between.imag().cross(axis).norm() < 1e-15, "{between}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Along a motion of the unknowns the gradient is the first derivative of the potential, the tangent the second.
+    #[test]
+    fn the_tangent_is_the_second_derivative() {
+        let (rigid, pin, hinge) = (JointKind::Rigid, JointKind::Pin, hinge());
+        for kinds in
+            [[rigid, rigid], [pin, pin], [pin, rigid], [hinge, pin], [hinge, rigid], [rigid, hinge], [hinge, hinge]]
+        {
+            let engine = star(kinds);
+            let state = engine.retract(&engine.state, &wild(&engine), 0.05);
+            let pattern = engine.node_graph().natural();
+            let mut tangent = Tangent::default();
+            let at = engine.linearise(&state, None, &PrescribedMotion::default(), (&pattern, &mut tangent));
+            let reduction = Reduction { pattern: &pattern, bases: &at.bases };
+            let unknowns: Vec<f64> = (0..pattern.num_equations()).map(|k| (2.3 * k as f64).cos()).collect();
+            let motion = reduction.motion_of_nodes(6 * engine.num_nodes(), &unknowns);
+            let along = |t: f64| engine.residual(&engine.retract(&state, &motion, t)).potential.total();
+            let dot = |x: &[f64]| x.iter().zip(&unknowns).map(|(a, b)| a * b).sum::<f64>();
+            let (slope, h) = (dot(&reduction.forces(&at.gradient)), 1e-4);
+            let measured = (along(h) - along(-h)) / (2.0 * h);
+            assert!((slope / measured - 1.0).abs() < 1e-5, "{kinds:?}: {slope} {measured}");
+            let curvature = dot(&pattern.multiply(&tangent.values, &unknowns));
+            let measured = (along(h) + along(-h) - 2.0 * along(0.0)) / (h * h);
+            assert!((curvature / measured - 1.0).abs() < 1e-5, "{kinds:?}: {curvature} {measured}");
+            // forces on nodes do the work of those on unknowns
+            let work: f64 = at.gradient.iter().zip(&motion).map(|(a, b)| a * b).sum();
+            assert!((work / slope - 1.0).abs() < 1e-12, "{kinds:?}: {work} {slope}");
+        }
+    }
+
     /// States that part joined nodes are refused, by position and by frame.
     #[test]
     fn states_that_part_joined_nodes_are_refused() {
-        let mut engine = star();
+        let mut engine = star([JointKind::Rigid; 2]);
         let whole = engine.state.clone();
         engine.set_state(whole.clone()).unwrap();
         let mut shifted = whole.clone();

@@ -10,7 +10,6 @@
 //! | `contact_side`, `contact_field` | contact curves of the rods, the law in force; numbers per contact and node |
 //! | `contact_tangents`, `measured_tangents` | tangents of the contact curves at the nodes, and how they are measured on a state |
 //! | `carrier`, `carried_bodies` | nodes that carry rigid bodies; where these are, and what may touch them |
-//! | `joint_surroundings` | where joined rods touch for good, and contact is left out |
 //! | `contact_gaps` | the smallest gap of each contact near each node |
 //! | `reduction` | from numbers of nodes to those of equations, and back |
 //! | `linearised` | tangent and factor at a state, for those above the solver |
@@ -36,7 +35,6 @@ pub(crate) mod engine;
 pub(in crate::solve) mod falling;
 pub(in crate::solve) mod fields;
 pub(in crate::solve) mod follower;
-mod joint_surroundings;
 pub(in crate::solve) mod joints;
 pub(crate) mod linearised;
 mod measured_tangents;

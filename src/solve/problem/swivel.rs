@@ -20,6 +20,7 @@ use nalgebra::Unit;
 
 use crate::math::{Mat3, Quat, Vec3};
 use crate::scene::Model;
+use crate::solve::problem::follower::{Hinged, Sharing};
 use crate::solve::problem::state::State;
 use crate::sparse::Pattern;
 
@@ -35,13 +36,16 @@ pub(crate) struct Swivel {
 }
 
 impl Swivel {
-    /// The swivels of a model, by the free unknowns and the master of each node. A planar model has none.
-    pub(crate) fn all(model: &Model, free: &[[bool; 6]], master: &[usize]) -> Vec<Self> {
+    /// The swivels of a model, by the free unknowns and their owners. A planar model has none, and no hinge has one.
+    pub(crate) fn all(model: &Model, free: &[[bool; 6]], owner: &[[usize; 6]]) -> Vec<Self> {
         let frames = model.rods.iter().flat_map(|rod| rod.frames.iter());
         let swivel = |(node, (frame, free)): (usize, (&Quat, &[bool; 6]))| {
             let held: Vec<usize> = (0..3).filter(|k| !free[3 + k]).collect();
             let [axis] = held[..] else { return None };
-            let nodes = (node..master.len()).filter(|&other| master[other] == node).collect();
+            if owner[node][3..] != [node; 3] {
+                return None;
+            }
+            let nodes = (node..owner.len()).filter(|&other| owner[other][3..] == [node; 3]).collect();
             Some(Self { nodes, axis, reference: *frame })
         };
         frames.zip(free).enumerate().filter_map(swivel).collect()
@@ -76,29 +80,64 @@ impl Swivel {
     }
 }
 
-/// Bases of the rotations of nodes where unknowns are not those about x, y and z.
+/// Bases of the rotations of nodes where unknowns are not those about x, y and z: at swivels and hinges.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Bases {
-    /// By node, the held direction, and its place in the basis.
-    of_nodes: Vec<(usize, usize, Mat3)>,
+    /// By node, ascending: the place of the direction that a swivel holds, and the basis.
+    of_nodes: Vec<(usize, Option<usize>, Mat3)>,
 }
 
 impl Bases {
-    pub(crate) fn at(swivels: &[Swivel], state: &State) -> Self {
+    pub(crate) fn at((swivels, hinged): (&[Swivel], &[Hinged]), state: &State) -> Self {
         let of_swivel = |swivel: &Swivel| {
             let (axis, basis) = (swivel.axis, swivel.basis(state));
-            swivel.nodes.clone().into_iter().map(move |node| (node, axis, basis))
+            swivel.nodes.clone().into_iter().map(move |node| (node, Some(axis), basis))
         };
-        Self { of_nodes: swivels.iter().flat_map(of_swivel).collect() }
+        let of_hinge = |hinged: &Hinged| {
+            let basis = hinged.basis(state);
+            hinged.nodes.clone().into_iter().map(move |node| (node, None, basis))
+        };
+        let swivels = swivels.iter().flat_map(of_swivel);
+        let mut of_nodes: Vec<_> = swivels.chain(hinged.iter().flat_map(of_hinge)).collect();
+        of_nodes.sort_by_key(|(node, ..)| *node);
+        Self { of_nodes }
     }
 
     /// Directions that nodes cannot turn about.
     pub(crate) fn held(&self) -> impl Iterator<Item = (usize, Vec3)> + '_ {
-        self.of_nodes.iter().map(|(node, axis, basis)| (*node, basis.column(*axis).into_owned()))
+        let of =
+            |(node, axis, basis): &(usize, Option<usize>, Mat3)| Some((*node, basis.column((*axis)?).into_owned()));
+        self.of_nodes.iter().filter_map(of)
     }
 
-    fn of(&self, node: usize) -> Option<&Mat3> {
-        self.of_nodes.iter().find(|(other, _, _)| *other == node).map(|(_, _, basis)| basis)
+    /// The axis of the hinge at a node: the third vector of its basis.
+    pub(super) fn axis(&self, node: usize) -> Vec3 {
+        self.of(node).map_or(Vec3::z(), |basis| basis.column(2).into_owned())
+    }
+
+    /// The vectors of the basis of a node.
+    pub(super) fn of(&self, node: usize) -> Option<&Mat3> {
+        let at = self.of_nodes.binary_search_by_key(&node, |(node, ..)| *node).ok()?;
+        Some(&self.of_nodes[at].2)
+    }
+
+    /// Moves the forces and moments on joined nodes, six numbers a node, to the owners of the unknowns. Of moments on hinged nodes
+    /// each keeps that about the axis.
+    pub(crate) fn give_to_masters(&self, sharing: &Sharing, forces: &mut [f64]) {
+        for node in sharing.followers.iter().map(|follower| follower.node) {
+            let owner = &sharing.owner[node];
+            let six: [f64; 6] = std::array::from_fn(|k| std::mem::take(&mut forces[6 * node + k]));
+            (0..3).for_each(|k| forces[6 * owner[k] + k] += six[k]);
+            let basis = self.of(node).filter(|_| owner[3] != owner[5]);
+            let Some(basis) = basis else {
+                (3..6).for_each(|k| forces[6 * owner[k] + k] += six[k]);
+                continue;
+            };
+            let (moment, axis) = (Vec3::new(six[3], six[4], six[5]), basis.column(2));
+            let own = axis * axis.dot(&moment);
+            (0..3).for_each(|k| forces[6 * owner[5] + 3 + k] += own[k]);
+            (0..3).for_each(|k| forces[6 * owner[3] + 3 + k] += moment[k] - own[k]);
+        }
     }
 
     fn turn(&self, all: &mut [f64], by: impl Fn(&Mat3, Vec3) -> Vec3) {

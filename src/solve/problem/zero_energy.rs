@@ -16,6 +16,7 @@
 //! Supports leave combinations of these motions where they hold less than there are: see [`Supports`]. Several rods:
 //! see [`Several`].
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
@@ -24,17 +25,20 @@ use crate::contact::potential::surface::SurfaceContact;
 use crate::math::signed_distance::{Skeleton, Surface};
 use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
+use crate::scene::NodeRef;
 use crate::solve::measures::NOTHING;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
 use crate::sparse::Pattern;
+use hinged::PartRotation;
 use several::Several;
 
 /// Relative deviation up to which directions and motions are the same, because meshes do not tell them apart.
 pub(super) const TOLERANCE: f64 = 1e-3;
 
+mod hinged;
 mod several;
 
 /// Square of a motion where a rod is held, over the largest, below which supports let it pass: ends that are coaxial but
@@ -56,9 +60,10 @@ pub(crate) fn is_falling(engine: &Engine, rod: usize) -> bool {
     engine.bears_loads(rod) && is_free(engine, rod)
 }
 
-/// Whether a rod's supports let none of its motions pass, on the face of it.
+/// Whether a rod's supports, or those of nodes that are joined to its own, let none of its motions pass, on the face of it.
 fn holds_all(engine: &Engine, rod: usize) -> bool {
-    !engine.model.rods[rod].closed && engine.is_clamped(rod)
+    let is_clamped = |node: usize| (0..6).all(|k| engine.is_held(node, k));
+    !engine.model.rods[rod].closed && engine.nodes(rod).any(is_clamped)
 }
 
 /// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs
@@ -74,7 +79,7 @@ fn spins(engine: &Engine, rod: usize) -> bool {
     engine.model.rods[rod].closed && is_round(engine, rod)
 }
 
-/// Isotropic, naturally straight, in space, joined to nothing: strains turned about the tangent cost the same.
+/// Isotropic, naturally straight, in space, joined by pins at most: strains turned about the tangent cost the same.
 fn is_round(engine: &Engine, rod: usize) -> bool {
     let data = &engine.model.rods[rod];
     let straight = match data.natural {
@@ -82,7 +87,7 @@ fn is_round(engine: &Engine, rod: usize) -> bool {
         Natural::Uniform { kappa } => kappa[0] == 0.0 && kappa[1] == 0.0,
         Natural::AsShaped | Natural::Varying(_) => false,
     };
-    let alone = !engine.is_joined(rod) && !engine.model.planar;
+    let alone = !engine.is_turned_by_joints(rod) && !engine.model.planar;
     data.stiffness.is_none() && data.section.is_isotropic() && straight && alone
 }
 
@@ -230,6 +235,22 @@ fn loads_at(engine: &Engine, nodes: &[usize]) -> Vec<(usize, Vec3, Vec3)> {
     at_nodes.chain(along).filter_map(|(node, f, m)| places.get(&node).map(|place| (*place, f, m))).collect()
 }
 
+/// Rotation of those of some nodes that it moves about a centre.
+fn motion_of(state: &State, (nodes, moves): (&[usize], &[bool]), center: Vec3, turn: Vec3) -> Vec<f64> {
+    let moved = nodes.iter().zip(moves);
+    let of = |(&node, moves): (&usize, &bool)| {
+        let both = if *moves { (turn.cross(&(state.positions[node] - center)), turn) } else { Default::default() };
+        [both.0.x, both.0.y, both.0.z, both.1.x, both.1.y, both.1.z]
+    };
+    moved.flat_map(of).collect()
+}
+
+/// Whether a hinge is among joined nodes.
+fn is_turned_by(engine: &Engine, nodes: &[NodeRef]) -> bool {
+    let joints = engine.model.joints.iter().filter(|joint| nodes.contains(&joint.a));
+    joints.filter_map(|joint| engine.model.hinge_axis(joint)).next().is_some()
+}
+
 fn displacement_at(motion: &[f64], place: usize) -> Vec3 {
     Vec3::new(motion[6 * place], motion[6 * place + 1], motion[6 * place + 2])
 }
@@ -251,8 +272,20 @@ fn is_loaded(engine: &Engine, state: &State, nodes: &[usize], motion: &[f64]) ->
 
 /// A basis of those combinations of motions, whose displacements are those of rigid bodies, that dead loads leave alone:
 /// forces F do no work on them at once, Σ F·v = 0, nor as they go on together with any other, Σ F·½(ω × v' + ω' × v) =
-/// 0, and no node that bears a moment turns. Along the others potential and search descend.
-fn left_alone(engine: &Engine, state: &State, nodes: &[usize], motions: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+/// 0, and no node that bears a moment turns. Along the others potential and search descend. Where a part turns within what moves
+/// as a whole, it goes on by Σ F·(ω × v'), v' that of the part.
+fn left_alone(
+    engine: &Engine,
+    state: &State,
+    nodes: &[usize],
+    (mut motions, parts): (Vec<Vec<f64>>, Vec<PartRotation>),
+) -> Vec<Vec<f64>> {
+    let num_whole = motions.len();
+    let mut turns: Vec<Vec3> = motions.iter().map(|motion| rigid_rotation(state, nodes, motion)).collect();
+    turns.extend(parts.iter().map(|part| part.turn));
+    let size = |i: usize| if i < num_whole { nodes.len() } else { parts[i - num_whole].count };
+    let moves = |i: usize, place: usize| i < num_whole || parts[i - num_whole].moves[place];
+    motions.extend(parts.iter().map(|part| part.motion.clone()));
     let loads = if state.load_factor == 0.0 { Vec::new() } else { loads_at(engine, nodes) };
     let acts = |(_, force, moment): &&(usize, Vec3, Vec3)| *force != Vec3::zeros() || *moment != Vec3::zeros();
     let (loads, count): (Vec<_>, usize) = (loads.iter().filter(acts).collect(), motions.len());
@@ -260,7 +293,6 @@ fn left_alone(engine: &Engine, state: &State, nodes: &[usize], motions: Vec<Vec<
         return motions;
     }
     let scale = 1.0 / engine.scales.length;
-    let whole: Vec<Vec3> = motions.iter().map(|motion| rigid_rotation(state, nodes, motion)).collect();
     let forces: f64 = loads.iter().map(|(_, force, _)| force.norm()).sum::<f64>().max(f64::MIN_POSITIVE);
     let mut rows = vec![vec![0.0; count]; count + 1];
     for (place, force, moment) in loads {
@@ -268,7 +300,14 @@ fn left_alone(engine: &Engine, state: &State, nodes: &[usize], motions: Vec<Vec<
         for i in 0..count {
             rows[count][i] += force.dot(&moved(i));
             for j in 0..count {
-                rows[j][i] += 0.5 * force.dot(&(whole[i].cross(&moved(j)) + whole[j].cross(&moved(i))));
+                if moves(i, *place) && moves(j, *place) {
+                    let goes_on = match size(i).cmp(&size(j)) {
+                        Ordering::Greater => turns[i].cross(&moved(j)),
+                        Ordering::Less => turns[j].cross(&moved(i)),
+                        Ordering::Equal => 0.5 * (turns[i].cross(&moved(j)) + turns[j].cross(&moved(i))),
+                    };
+                    rows[j][i] += force.dot(&goes_on);
+                }
             }
         }
         if *moment != Vec3::zeros() {
@@ -303,9 +342,20 @@ struct Supports {
 impl Supports {
     /// Of some nodes, as motions of these list them.
     fn of(engine: &Engine, state: &State, nodes: &[usize]) -> Self {
-        let free = |node: usize| &engine.free[engine.master[node]];
-        let held = |(k, &node): (usize, &usize)| (0..6).filter(move |i| !free(node)[*i]).map(move |i| 6 * k + i);
-        let axes = Bases::at(&engine.swivels, state).held().collect::<Vec<_>>();
+        let bases = engine.bases(state);
+        let is_hinged = |node: usize| bases.of(node).is_some() && !engine.is_swivel(node);
+        // a hinge holds what another node of it has held
+        let is_held = |node: usize, i: usize| match i >= 3 && is_hinged(node) {
+            true => (3..6).all(|i| engine.is_held(node, i)),
+            false => !engine.free[engine.sharing.owner[node][i]][i],
+        };
+        let held = |(k, &node): (usize, &usize)| (0..6).filter(move |i| is_held(node, *i)).map(move |i| 6 * k + i);
+        let across = |node: usize| (0..3).filter(move |k| engine.is_held(node, 3 + k));
+        let of_hinge = |&node: &usize| {
+            let basis = bases.of(node).filter(|_| is_hinged(node) && !is_held(node, 3));
+            basis.into_iter().flat_map(move |basis| across(node).map(move |k| (node, basis.column(k).into_owned())))
+        };
+        let axes = bases.held().chain(nodes.iter().flat_map(of_hinge)).collect::<Vec<_>>();
         let axis = |(node, axis): &(usize, Vec3)| nodes.iter().position(|n| n == node).map(|k| (6 * k + 3, *axis));
         Self {
             held: nodes.iter().enumerate().flat_map(held).collect(),
@@ -430,10 +480,10 @@ impl ZeroEnergyModes {
             supports.size(&mut motions);
             supports.size(sliding.as_mut_slice());
             sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
-            least = least_size(zero_energy.weights, &motions);
+            least = least_size(zero_energy.weights, motions.iter());
             motions = supports.all_that_pass(&motions);
         }
-        for motion in left_alone(engine, state, &nodes, motions) {
+        for motion in left_alone(engine, state, &nodes, (motions, Vec::new())) {
             add(zero_energy.weights, &mut zero_energy.motions, motion, least);
         }
         sliding = sliding.filter(|motion| !is_loaded(engine, state, &nodes, motion));
@@ -538,7 +588,7 @@ fn pin_held(
     for index in 0..rest.len() {
         let size = |k: &usize| dot(&at(&rest[index], *k), &at(&rest[index], *k));
         let Some(most) = (0..nodes.len()).max_by(|a, b| size(a).total_cmp(&size(b))) else { return };
-        let (along, node) = (at(&rest[index], most), engine.master[nodes[most]]);
+        let (along, node) = (at(&rest[index], most), nodes[most]);
         let square = dot(&along, &along);
         bases.add_block(pattern, values, (node, node), |i, j| spring * arm(i) * along[i] * arm(j) * along[j] / square);
         let (done, others) = rest.split_at_mut(index + 1);
@@ -609,9 +659,9 @@ fn weighted(weights: [f64; 2], a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Size below which a combination of motions is none: a straight rod between coaxial clamps turns back as much as it turns.
-fn least_size(weights: [f64; 2], motions: &[Vec<f64>]) -> f64 {
+fn least_size<'a>(weights: [f64; 2], motions: impl Iterator<Item = &'a Vec<f64>>) -> f64 {
     let size = |motion: &Vec<f64>| weighted(weights, motion, motion).sqrt();
-    TOLERANCE * motions.iter().map(size).fold(f64::INFINITY, f64::min)
+    TOLERANCE * motions.map(size).fold(f64::INFINITY, f64::min)
 }
 
 /// Orthonormalises a motion against those of a basis and adds it; false if it depends on them, or is none.

@@ -172,7 +172,7 @@ impl Workspace {
             let diagonal = pattern.equation(i / 6, i % 6).map(|eq| self.tangent.values[pattern.diagonal(eq)]);
             diagonal.map_or(0.0, |d| d.abs() / mass)
         };
-        let own = |(i, _): &(usize, &f64)| engine.master[i / 6] == i / 6;
+        let own = |(i, _): &(usize, &f64)| engine.sharing.owner[i / 6][i % 6] == i / 6;
         4.0 * f64::EPSILON * engine.metric.iter().enumerate().filter(own).map(quotient).fold(0.0, f64::max)
     }
 

@@ -20,6 +20,7 @@ mod curve;
 mod draft;
 mod falling;
 mod hanging;
+mod joined;
 mod material;
 mod moments;
 mod open;
@@ -45,7 +46,7 @@ pub struct Family {
 }
 
 /// All families.
-pub const FAMILIES: [Family; 20] = [
+pub const FAMILIES: [Family; 21] = [
     Family { name: "clamped", make: open::clamped },
     Family { name: "paths", make: open::paths },
     Family { name: "tweezers", make: open::tweezers },
@@ -66,6 +67,7 @@ pub const FAMILIES: [Family; 20] = [
     Family { name: "along_axes", make: hanging::along_axes },
     Family { name: "obstacles", make: confined::obstacles },
     Family { name: "gripped_knots", make: open_knots::gripped_knots },
+    Family { name: "joined", make: joined::joined },
 ];
 
 /// One scene of a family.

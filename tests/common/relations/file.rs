@@ -8,7 +8,7 @@ use supercoil::InputError;
 use supercoil::io::csv::{RodState, write_state};
 use supercoil::math::Vec3;
 use supercoil::rod::{Along, Averaged, Natural, Rod, RodNumber};
-use supercoil::scene::{ContactLaw, NodeRef, ObstacleNumber, Ramp, Scene, Skeleton, Support, Units};
+use supercoil::scene::{ContactLaw, JointKind, NodeRef, ObstacleNumber, Ramp, Scene, Skeleton, Support, Units};
 
 use super::motion::Problem;
 
@@ -105,6 +105,10 @@ fn text(problem: &Problem, path: &Path, tables: &mut Vec<(String, String)>) -> S
     }
     for it in &model.joints {
         let _ = writeln!(out, "\n[[joints]]\na = {{ {} }}\nb = {{ {} }}", at(it.a), at(it.b));
+        let _ = writeln!(out, "kind = {:?}", it.kind.name());
+        if let JointKind::Hinge { axis } = &it.kind {
+            let _ = writeln!(out, "axis = {}", list(axis));
+        }
     }
     for it in &model.loads {
         let (force, moment) = (list(&it.force), list(&it.moment));

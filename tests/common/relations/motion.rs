@@ -4,7 +4,8 @@
 use supercoil::math::{Mat3, Quat, Vec3};
 use supercoil::rod::{Natural, NaturalStrains, Rod, RodMesh, RodNumber, Section, Shape};
 use supercoil::scene::{
-    Joint, LineLoad, Model, NodeLoad, NodeRef, Obstacle, ObstacleNumber, Pose, Ramp, Skeleton, Stage, Support,
+    Joint, JointKind, LineLoad, Model, NodeLoad, NodeRef, Obstacle, ObstacleNumber, Pose, Ramp, Skeleton, Stage,
+    Support,
 };
 
 /// A model with its stages.
@@ -65,6 +66,7 @@ pub fn moved(problem: &Problem, matrix: Mat3, shift: Vec3) -> Variant {
     out.problem.model = Model {
         rods: model.rods.iter().map(|rod| motion.rod(rod)).collect(),
         supports: model.supports.iter().map(|support| motion.support(support)).collect(),
+        joints: model.joints.iter().map(|it| Joint { kind: motion.joint(it.kind), ..*it }).collect(),
         loads: model
             .loads
             .iter()
@@ -149,6 +151,13 @@ impl Motion {
         Support { node: support.node, position: axes(support.position), rotation: axes(support.rotation) }
     }
 
+    fn joint(&self, kind: JointKind) -> JointKind {
+        match kind {
+            JointKind::Hinge { axis } => JointKind::Hinge { axis: self.matrix * axis },
+            other => other,
+        }
+    }
+
     fn ramp(&self, ramp: &Ramp) -> Ramp {
         let hand = self.hand;
         match ramp {
@@ -211,7 +220,7 @@ fn renumbered(problem: &Problem, rods: Vec<Rod>, nodes: Vec<Vec<NodeRef>>) -> Va
     out.problem.model = Model {
         rods,
         supports: model.supports.iter().rev().map(support).collect(),
-        joints: model.joints.iter().rev().map(|it| Joint { a: node(it.a), b: node(it.b) }).collect(),
+        joints: model.joints.iter().rev().map(|it| Joint { a: node(it.a), b: node(it.b), ..*it }).collect(),
         loads: model.loads.iter().rev().map(|it| NodeLoad { node: node(it.node), ..*it }).collect(),
         line_loads: model.line_loads.iter().rev().map(|it| LineLoad { rod: rod(it.rod), ..*it }).collect(),
         ..model.clone()
@@ -316,7 +325,7 @@ fn cut_open(problem: &Problem) -> Variant {
     let mut nodes = Variant::same(problem).nodes;
     (at + 1..=end).for_each(|node| nodes[0][node] = NodeRef { rod: last, node: node - at });
     let mut out = renumbered(problem, all, nodes);
-    out.problem.model.joints.push(Joint { a: NodeRef { rod: 0, node: at }, b: NodeRef { rod: last, node: 0 } });
+    out.problem.model.joints.push(Joint::rigid(NodeRef { rod: 0, node: at }, NodeRef { rod: last, node: 0 }));
     let more: Vec<LineLoad> = problem
         .model
         .line_loads
@@ -338,7 +347,7 @@ fn cut_ring(problem: &Problem) -> Option<Variant> {
     let mut rods = problem.model.rods.clone();
     rods[0] = part(rod, "cut", [0, count]);
     let mut out = renumbered(problem, rods, Variant::same(problem).nodes);
-    out.problem.model.joints.push(Joint { a: NodeRef { rod: 0, node: 0 }, b: NodeRef { rod: 0, node: count } });
+    out.problem.model.joints.push(Joint::rigid(NodeRef { rod: 0, node: 0 }, NodeRef { rod: 0, node: count }));
     Some(out)
 }
 

@@ -15,7 +15,7 @@ fn tip(scene: Scene) -> Vec3 {
 fn joined_halves_bend_like_the_whole() {
     let scene = read(HALVES).unwrap();
     let (near, far) = (NodeRef { rod: 0, node: 12 }, NodeRef { rod: 1, node: 0 });
-    assert_eq!(scene.model.joints, [Joint { a: near, b: far }]);
+    assert_eq!(scene.model.joints, [Joint::rigid(near, far)]);
     let without = HALVES.split("[[joints]]").next().unwrap();
     let loads = HALVES.split("[[loads]]").nth(1).unwrap();
     let loose = format!("{without}[[loads]]{loads}");
@@ -85,4 +85,55 @@ fn lists_of_rods_stand_for_each() {
     assert_eq!(read(&turned).unwrap().stages[0].ramps, [about, Ramp::Load { to: 1.0 }]);
     refused(&turned, "[0, 1, 0], turns", "[0, nan, 0], turns", &["stages[0].ramp.rotation.through = (0, NaN, 0)"]);
     refused(&turned, "turns = 2.0", "turns = 2e9", &["stages[0].ramp.rotation.turns = 2000000000: must be at most"]);
+}
+
+#[test]
+fn joints_are_rigid_pins_or_hinges() {
+    let kinds = |more: &str| {
+        read(&HALVES.replacen("[[joints]]", &format!("[[joints]]\n{more}"), 1)).map(|scene| scene.model.joints[0].kind)
+    };
+    assert_eq!(kinds("").unwrap(), JointKind::Rigid);
+    assert_eq!(kinds("kind = \"rigid\"").unwrap(), JointKind::Rigid);
+    assert_eq!(
+        kinds("kind = \"hinge\"\naxis = [0, 2, 0]").unwrap(),
+        JointKind::Hinge { axis: Vec3::new(0.0, 2.0, 0.0) }
+    );
+    for (more, parts) in [
+        ("kind = \"hinge\"", &["joints[0].axis: is missing", "needs an axis"][..]),
+        ("kind = \"pin\"\naxis = [0, 1, 0]", &["joints[0].axis: is of hinges only"]),
+        ("axis = [0, 1, 0]", &["joints[0].axis: is of hinges only"]),
+        ("kind = \"hinge\"\naxis = [0, 0, 0]", &["joints[0].axis = (0, 0, 0)", "finite and not zero"]),
+        ("kind = \"hinge\"\naxis = [0, nan, 0]", &["joints[0].axis = (0, NaN, 0)", "finite and not zero"]),
+        ("kind = \"hinge\"\naxis = [0, 1]", &["a list of 3 numbers"]),
+        ("kind = \"ball\"", &["unknown variant `ball`", "`rigid`, `pin`, `hinge`"]),
+    ] {
+        let message = kinds(more).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| message.contains(part)), "{more}: {message}");
+    }
+    // what a pin lets go is held by nothing: a moment about it would turn the rod for ever
+    let pinned = HALVES.replacen("[[joints]]", "[[joints]]\nkind = \"pin\"", 1);
+    assert!(read(&pinned).is_ok());
+    let message = read(&pinned.replacen("force =", "moment = [0, 10, 0]\nforce =", 1)).unwrap_err().to_string();
+    assert!(message.contains("rods.far: loads[0] turns it about the axis (0, 1, 0)"), "{message}");
+    // supports at a hinge hold all rotations or none
+    let partly = "[[supports]]\nrod = \"far\"\nat = \"start\"\nrotation = [\"x\", \"y\"]\n[[joints]]\nkind = \"hinge\"\naxis = [0, 0, 1]";
+    let message = read(&HALVES.replacen("[[joints]]", partly, 1)).unwrap_err().to_string();
+    assert!(message.contains("joints[0]: rod \"") && message.contains("hold 2 of three rotations"), "{message}");
+}
+
+/// A load on a list of rods acts on each, at a node or along it.
+#[test]
+fn loads_of_a_list_act_on_each_rod() {
+    let more = "line_loads = [{ rod = [\"near\", \"far\"], force = [0, 0, -1] }]\n";
+    let text = HALVES.replacen("[[rods]]", &format!("{more}[[rods]]"), 1).replacen(
+        "[[loads]]\nrod = \"far\"",
+        "[[loads]]\nrod = [\"far\", \"near\"]",
+        1,
+    );
+    let model = read(&text).unwrap().model;
+    assert_eq!(model.loads.iter().map(|load| (load.node.rod, load.node.node)).collect::<Vec<_>>(), [(1, 12), (0, 12)]);
+    assert_eq!(model.loads[0].force, model.loads[1].force);
+    assert_eq!(model.line_loads, [0, 1].map(|rod| LineLoad::of_force(rod, -Vec3::z())));
+    refused(&text, "[\"far\", \"near\"]", "[\"far\", \"far\"]", &["loads[0].rod = \"far\": must be named once"]);
+    refused(&text, "[\"near\", \"far\"]", "[\"near\", \"fur\"]", &["line_loads[0].rod = \"fur\": must be one of"]);
 }

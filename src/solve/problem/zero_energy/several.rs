@@ -2,8 +2,9 @@
 //! nothing else, and the spin of each free isotropic closed rod about its centreline, which contact without friction
 //! does not feel; of groups that are held somewhere, those of these motions that their supports let pass (two linked rings, one of
 //! them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods
-//! along themselves is left to the mesh's ripple.
+//! along themselves is left to the mesh's ripple. What pins and hinges let turn: see [`hinged`](super::hinged).
 
+use super::hinged::part_rotations;
 use super::{
     Supports, holds_all, is_falling, is_free, is_round, least_size, left_alone, rigid_motions, spin_of, subtract,
     subtract_force, touched_by,
@@ -67,13 +68,14 @@ impl Several {
             let held = group.iter().filter(|rod| !floats(**rod) && rolls(**rod));
             let spins = held.map(|&rod| spin_of(engine, state, rod, nodes.iter().copied()));
             let mut motions: Vec<Vec<f64>> = rigid.into_iter().chain(spins).collect();
-            if motions.is_empty() {
+            let parts = part_rotations(engine, (state, residual), &group, &nodes);
+            if motions.is_empty() && parts.is_empty() {
                 continue;
             }
             let supports = Supports::of(engine, state, &nodes);
             supports.size(&mut motions);
-            let least = least_size(weights, &motions);
-            let passing = left_alone(engine, state, &nodes, supports.all_that_pass(&motions));
+            let least = least_size(weights, motions.iter().chain(parts.iter().map(|part| &part.motion)));
+            let passing = left_alone(engine, state, &nodes, (supports.all_that_pass(&motions), parts));
             let before = several.motions.len();
             passing.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion), least));
             let whole = |motion: &NodalMotions| motion.iter().flat_map(|(_, values)| values).copied().collect();
