@@ -149,6 +149,8 @@ fn template(key: &Key) -> String {
             let salt = if name == "charge" { "salt_mM = 150, " } else { "" };
             dna("base_pairs = 336, ").replace('@', "") + &format!("[contact]\nelectrostatics = {{ {salt}@ }}\n")
         }
+        ("joints", "axis") => joined() + "kind = \"hinge\"\n@\n",
+        ("joints", _) => joined() + "@\n",
         ("stages", _) => ring() + &ramp("excess_link = { to = 1.0 }") + "@\n",
         ("stages.ramp", "binding") => bound().replace('@', "") + &ramp("@"),
         ("stages.ramp", _) => ring() + &ramp("@"),
@@ -178,6 +180,21 @@ fn template(key: &Key) -> String {
         ("stages.ramp.natural", _) => planar(),
         (table, name) => panic!("no scene for {table}.{name}"),
     }
+}
+
+/// Two rods in line, the first clamped; the table of their joint goes on.
+fn joined() -> String {
+    let rod = |name: &str, start: f64| {
+        format!(
+            "[[rods]]\nname = \"{name}\"\nelements = 6\n\
+             shape = {{ kind = \"line\", start = [{start:?}, 0, 0], direction = [1, 0, 0], length = 6.0 }}\n\
+             section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.1 }}\n"
+        )
+    };
+    rod("a", 0.0)
+        + &rod("b", 6.0)
+        + "[[supports]]\nrod = \"a\"\nat = \"start\"\nposition = true\nrotation = true\n\
+           [[joints]]\na = { rod = \"a\", at = \"end\" }\nb = { rod = \"b\", at = \"start\" }\n"
 }
 
 /// Path of a file that is written once: tests run side by side, and one must not read what the other has begun to write.
@@ -237,7 +254,7 @@ fn content(mut scene: Scene) -> String {
 }
 
 /// Defaults in words.
-const DEFAULTS_IN_WORDS: [&str; 38] = [
+const DEFAULTS_IN_WORDS: [&str; 39] = [
     "0 if a stage ramps `load`, otherwise 1",
     "needed without `braid` or `pd`",
     "from `dna`, or by `distance`",
@@ -248,6 +265,7 @@ const DEFAULTS_IN_WORDS: [&str; 38] = [
     "the only obstacle",
     "that of the shape, of an only obstacle",
     "needed for a cylinder",
+    "needed for a hinge",
     "in place",
     "as before",
     "all",

@@ -152,7 +152,7 @@ fn a_chain_of_links_hangs_as_statics_has_it() {
         if span(middle) < 0.0 { low = middle } else { high = middle }
     }
     let thrust = low;
-    let [outer, inner] = [1.5, 0.5].map(|v| (v / thrust as f64).atan());
+    let [outer, inner] = [1.5, 0.5].map(|v| (v / thrust).atan());
     // hinges about an axis across the plane hold what pins let go, and the plane has no use for it
     for kind in [PIN, "kind = \"hinge\"\naxis = [0.0, 1.0, 0.0]"] {
         let (solution, seen) = run(&chain(kind, &format!("{hook}{moved}")));
@@ -300,7 +300,8 @@ fn neither_axes_nor_the_order_of_rods_matter() {
     }
 }
 
-/// A run that is taken up half-way goes on with the same bits; a finer mesh has the same joints.
+/// A run that is taken up half-way ends in the same state, to the rounding of frames that are put together at hinges; a finer mesh
+/// has the same joints.
 #[test]
 fn joints_outlast_restarts_and_refinement() {
     let scene = Scene::from_toml(&frame(&Quat::identity(), [1, 0, 2, 3]), Path::new(".")).unwrap();
@@ -315,7 +316,9 @@ fn joints_outlast_restarts_and_refinement() {
     let whole = go(None, &mut kept);
     assert_eq!(whole.status, Status::Converged);
     let resumed = go(Some(kept[1].clone()), &mut Vec::new());
-    assert_eq!(resumed.solver.engine().state(), whole.solver.engine().state());
+    for rod in 0..4 {
+        verify_point("resumed frame, end of a rod", &end_of(&resumed, rod), end_of(&whole, rod).into(), 1e-13);
+    }
     let mut fine = whole.solver.refined(2).unwrap();
     assert_eq!(fine.resettle().status, Status::Converged);
     let kinds =
