@@ -90,7 +90,7 @@ impl Solver {
 
     /// Follows the path of equilibria with the first ramp of `[[stages]]` in `text` as its parameter. Returns how it
     /// ended, and of every point its kind, the parameter, unstable directions and the state.
-    #[allow(clippy::type_complexity)]
+    #[allow(clippy::type_complexity, clippy::too_many_arguments)]
     fn follow(
         &self,
         py: Python,
