@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(plain.model_hash().len(), 32);
     }
 
-    /// Symptom: a changed number in a table of natural strains or stiffnesses went unnoticed: they were told by their count.
+    /// Symptom: a changed number in a table of natural strains or stiffnesses went unnoticed: they were compared by their count.
     #[test]
     fn numbers_along_a_rod_count() {
         use crate::rod::Along;

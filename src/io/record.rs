@@ -211,11 +211,11 @@ pub struct RecordState {
 /// | `base_pairs.csv` | of rods with a sequence: the bases, their places on the rod and the steps between them at rest, for [`export`](super::export) |
 /// | `table_columns.csv`, `final_state_columns.csv`, `resultants_columns.csv`, `sites_columns.csv`, `lines_columns.csv`, `joints_columns.csv` | name, unit and meaning of the columns of each table |
 /// | `scene_as_run.toml` | a copy of the scene file, with its path and the program's version (written by [`SceneRun::start`](super::run::SceneRun::start)) |
-/// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if asked for; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
+/// | `summary.json` | version, model hash, threads, rods with their stiffnesses; every observation of every step, and the final state (with an estimate of its error if requested; energies also in kT where units are nm and pN, see [`Scene::thermal`]); of contact sites the [`MAX_SITES`] strongest |
 /// | `picture.png`, `filmstrip.png` | final shape; six states on the way |
 /// | `final_state.bin` | the final state bit for bit, for `supercoil modes`, `sensitivity`, `free-energy`, `j-factor` |
-/// | `modes.vtp`, `modes.png`, `modes.html` | if asked for: the softest modes of the final state, at the nodes the displacements `mode_1` … and rotations `mode_1_rotation` …; eigenvalues as field data; a picture of each; a page that shows them swing |
-/// | `sensitivities.csv` | if asked for: derivatives of observables |
+/// | `modes.vtp`, `modes.png`, `modes.html` | if requested: the softest modes of the final state, at the nodes the displacements `mode_1` … and rotations `mode_1_rotation` …; eigenvalues as field data; a picture of each; a page that shows them swing |
+/// | `sensitivities.csv` | if requested: derivatives of observables |
 /// | `view.html` | a page for the browser: the run to turn and to step through (from the `.vtp` files: without them there is none) |
 /// | `writhe.svg` | writhe and twist against excess link, where a closed rod's changes |
 #[derive(Debug)]

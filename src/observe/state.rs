@@ -185,7 +185,7 @@ fn certificate(
     progress.engine.install(|| Certificate::of(&subject))
 }
 
-/// The number of directions in which the energy falls, counted under the law asked for or, where the mesh does not carry it, the
+/// The number of directions in which the energy falls, counted under the law requested or, where the mesh does not carry it, the
 /// softer one that a note tells of.
 fn stability(progress: &Progress) -> Option<Check> {
     progress.given.filter(|given| given.only_stable)?;

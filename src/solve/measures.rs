@@ -18,7 +18,7 @@ pub(in crate::solve) const BALANCED: f64 = 1e-8;
 /// Turn, rad, within which a chord stands for the arc, because it is only a hundredth shorter.
 pub(in crate::solve) const ARC: f64 = 0.5;
 /// Rounds of an iteration, because one that contracts by 0.4 gains four digits in them. With 8 rounds of
-/// corrections instead the helical ring does not come to rest.
+/// corrections instead the helical ring does not converge.
 pub(in crate::solve) const MAX_ROUNDS: usize = 10;
 /// Newton iterations, or inverse iterations, at most, because that is twice as many as a good search takes.
 pub(in crate::solve) const MAX_ITERATIONS: usize = 16;

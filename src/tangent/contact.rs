@@ -1,7 +1,7 @@
 //! Contact in the tangent: as the law in force has it, locked, or free.
 //!
 //! The law's tangent is κ ∂g ∂gᵀ at each point of a zone, and the pressure's geometric part. What κ means depends on
-//! the kind of contact (told apart as in reports):
+//! the kind of contact (distinguished as in reports):
 //!
 //! * A *point* has one force, where the strands are nearest. The law spreads it over a zone, whose ends follow the
 //!   strands as they tilt; that part of the law's stiffness is geometric, F/d″, and does not depend on κ. The law's

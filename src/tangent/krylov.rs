@@ -198,7 +198,7 @@ mod tests {
         softest(pencil, count, num_negative).unwrap().iter().map(|pair| pair.eigenvalue).collect()
     }
 
-    /// Fourfold eigenvalues, negative ones, unknowns without mass, and fewer eigenvalues than are asked for.
+    /// Fourfold eigenvalues, negative ones, unknowns without mass, and fewer eigenvalues than requested.
     #[test]
     fn eigenvalues_of_diagonal_pencils() {
         let stiff = |i: usize| if i < 4 { 2.0 } else { (i * i) as f64 };

@@ -136,7 +136,7 @@ fn bad_tables_are_refused() {
     }
 }
 
-/// Drawn and repeated sequences: as many bases as asked for, the same for a seed, all four bases alike often.
+/// Drawn and repeated sequences: as many bases as requested, the same for a seed, all four bases alike often.
 #[test]
 fn sequences_are_made_from_words() {
     let drawn = Sequence::parse("random:4000:7").unwrap();

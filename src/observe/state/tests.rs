@@ -1,4 +1,4 @@
-//! The certificate: a state at rest has it; each break of a promise is told by the check of its name.
+//! The certificate: a state at rest has it; each break of a promise is reported by the check of its name.
 
 use std::ops::ControlFlow;
 

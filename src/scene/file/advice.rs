@@ -25,10 +25,10 @@ const ITERATIONS_A_STEP: f64 = 20.0;
 const SECONDS_A_NODE: f64 = 25e-6;
 const MIB: f64 = (1u64 << 20) as f64;
 
-/// Deviations of steps at the start, degrees and Å, from which on they are told: those that files of steps round to.
+/// Deviations of steps at the start, degrees and Å, from which on they are reported: those that files of steps round to.
 const FAR_DEGREES: f64 = 0.05;
 const FAR_ANGSTROMS: f64 = 0.005;
-/// Start link, turns, above which a curve is told not to begin relaxed.
+/// Start link, turns, above which a curve is reported not to begin relaxed.
 const WORTH_TELLING: f64 = 1e-3;
 
 /// Says that a closed curve whose file gives no link begins with that of its shape.

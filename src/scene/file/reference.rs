@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 
 use super::text::SceneText;
 
-/// Most keys of a table that is told in the row of its key, as `{ rod, to }`, in place of a table of its own.
+/// Most keys of a table that is described in the row of its key, as `{ rod, to }`, in place of a table of its own.
 const SMALL: usize = 2;
 
 /// A key of a scene file.
@@ -148,7 +148,7 @@ struct Reader<'a> {
     keys: Vec<Key>,
     /// Text above the keys of a heading.
     intros: Vec<(String, String)>,
-    /// Definitions that have been told, and where.
+    /// Definitions that have been described, and where.
     told: Vec<(String, String)>,
 }
 

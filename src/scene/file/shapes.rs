@@ -78,7 +78,7 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
     })
 }
 
-/// Points of a knot, scaled so that the curve through them has the length, or strands the distance, that is asked for.
+/// Points of a knot, scaled so that the curve through them has the length, or strands the distance, that is requested.
 fn knot(text: &ShapeText, wound: &Wound) -> Result<Vec<Vec3>, InputError> {
     let ShapeText::Knot { name, braid, pd, component, length, distance, center } = text else {
         return Err(InputError::inconsistent("shape", "is no knot"));
@@ -120,7 +120,7 @@ fn circumference(length: Option<f64>, radius: Option<f64>, wound: &Wound) -> Res
     }
 }
 
-/// Points of a file, smoothed if asked for.
+/// Points of a file, smoothed if requested.
 fn points(text: &ShapeText, base_dir: &Path, closed: bool) -> Result<Vec<Vec3>, InputError> {
     let ShapeText::Points { file, columns, frame, chain, every, scale, smooth, .. } = text else {
         return Err(InputError::inconsistent("shape", "is no list of points"));

@@ -26,7 +26,7 @@ pub const TEMPLATES: [Template; 12] = [
     template!("plasmid", "a plasmid, from the flat circle to a plectoneme"),
     template!("loop", "DNA between two sites that a protein holds: both ends' poses"),
     template!("tweezers", "DNA pulled and turned until it winds up", "examples"),
-    template!("knot", "a closed trefoil knot comes to rest"),
+    template!("knot", "the equilibrium of a closed trefoil knot"),
     template!("overhand", "an overhand knot between grips, pulled tight"),
     template!("hanging", "a rope between two hooks under its weight, one hook moved in"),
     template!("net", "a net of pinned cords, hung by its corners"),

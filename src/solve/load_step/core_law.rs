@@ -20,7 +20,7 @@ const DEPTH: f64 = 0.4;
 const TOO_DEEP: f64 = 0.8 * 2.0 * DEPTH;
 /// Factor between the penalties that are tried if the mesh does not resolve the requested one.
 const STIFFNESS_RATIO: f64 = 10.0;
-/// Softer laws that are tried, each by [`STIFFNESS_RATIO`], because contact a thousand times softer than asked for is
+/// Softer laws that are tried, each by [`STIFFNESS_RATIO`], because contact a thousand times softer than requested is
 /// another problem.
 const MAX_SOFTER_LAWS: usize = 3;
 /// Largest overlap of a shape, over the contact radius, whose pressures are estimated, because strands that are farther

@@ -1,4 +1,4 @@
-//! Energy balance of a load step: a snap is told by the energy that is missing.
+//! Energy balance of a load step: a snap is reported by the energy that is missing.
 //!
 //! Along a branch the energy E of equilibria changes by the work of what is prescribed: dE = Σ F dλ, F = ∂E/∂λ at a
 //! fixed configuration. For turns of seams F is the twisting moment, for motions of supports the reactions, for obstacles

@@ -36,7 +36,7 @@ pub(in crate::solve) struct ContactErrors {
 pub(in crate::solve) struct Outstanding {
     /// Worst penetration over the smallest contact radius.
     pub(in crate::solve) penetration: f64,
-    /// Work of offsets on gaps held open, relative to the elastic energy; `None` while there are penetrations.
+    /// Work of offsets on gaps open under force, relative to the elastic energy; `None` while there are penetrations.
     pub(in crate::solve) complementarity: Option<f64>,
     /// Gaps by which offsets are to be raised and lowered \[L\]; `None` at the end.
     pub(in crate::solve) gaps: Option<ContactField>,
@@ -169,7 +169,7 @@ impl Solver {
         half_point.max(a.length / a.num_elements as f64)
     }
 
-    /// Next task until penetrations are within a tolerance, relative to the contact radius, and no gap is held open
+    /// Next task until penetrations are within a tolerance, relative to the contact radius, and no gap is open under force
     /// that can be released.
     pub(in crate::solve) fn outstanding(&self, tol: f64, secant_steps: &mut SecantSteps) -> Outstanding {
         if self.engine.contact.is_none() {
@@ -215,7 +215,7 @@ impl Solver {
     }
 }
 
-/// Secant steps that lower the offsets of gaps held open. At the edge of a zone, or between two nodes that carry a
+/// Secant steps that lower the offsets of gaps open under force. At the edge of a zone, or between two nodes that carry a
 /// contact, a gap may hardly depend on the offset; lowered by the gap alone, such an offset would not let go.
 #[derive(Debug, Default)]
 pub(in crate::solve) struct SecantSteps {

@@ -1,10 +1,10 @@
 //! Large turns are made on a coarse mesh first.
 //!
-//! A step that turns a rod by several turns passes through equilibria that nobody asked for, and most of its iterations
+//! A step that turns a rod by several turns passes through equilibria that are not requested, and most of its iterations
 //! are spent on these. A fine mesh is needed for lines of contact and for digits at the end, not on the way there:
 //! strands coil as wide as they are thick or wider. So the step is made on every second to eighth node, on a mesh no
 //! coarser than that of a draft ([`Fidelity::Draft`]). The nodes between are interpolated, contact offsets too, and the
-//! whole mesh comes to rest from there. If it does not, the step is made on the whole mesh alone.
+//! whole mesh converges from there. If it does not, the step is made on the whole mesh alone.
 //!
 //! Smaller steps stay on the whole mesh. It would save a third of their work where they are not foreseen, too, but
 //! branches would be chosen by the coarse mesh, and the ripples of its lines of contact show in the offsets (3e-3 of
@@ -105,7 +105,7 @@ impl Solver {
         })
     }
 
-    /// A solver for the same problem on every `factor`-th node, in the present state, if that can be told from so few.
+    /// A solver for the same problem on every `factor`-th node, in the present state, if so few show it.
     fn coarse(&self, factor: usize) -> Option<Self> {
         let mut model = self.engine.model.coarsened(factor)?;
         // digits beyond a draft's are for the whole mesh
@@ -223,7 +223,7 @@ mod tests {
         assert!((quick.engine.state.positions[64] - at).norm() < 1e-12);
     }
 
-    /// A report says how much softer than asked for the law in force is, whichever search the step came to rest by:
+    /// A report says how much softer than requested the law in force is, whichever search the step converged by:
     /// one that goes on from the state before says so, too. (Only the search that had softened it did.)
     #[test]
     fn softened_laws_are_told() {

@@ -489,7 +489,7 @@ mod tests {
         assert_eq!(place(1.1, 0.0).unwrap().1, 3);
     }
 
-    /// One stage, three, or single steps, of values that no rounding tells apart: the same predictions in as many
+    /// One stage, three, or single steps, of values that no rounding distinguishes: the same predictions in as many
     /// iterations, the same states to the last bit.
     #[test]
     fn a_path_does_not_know_its_stages() {

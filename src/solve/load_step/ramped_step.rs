@@ -94,7 +94,7 @@ impl Solver {
     }
 
     /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
-    /// Where `doubts` are asked for they do not if the step was too long to be predicted and may have lost its branch,
+    /// Where `doubts` are requested they do not if the step was too long to be predicted and may have lost its branch,
     /// which the second part of the result says.
     fn attempt(&mut self, target: &Target, doubts: bool) -> (StepReport, bool) {
         let lifted = lifted(&self.engine, &self.engine.state, &target.drive);
@@ -271,7 +271,7 @@ impl Solver {
         self.forget_path()
     }
 
-    /// Where a step leads that changes numbers: nowhere by itself, supports move as they are told.
+    /// Where a step leads that changes numbers: nowhere by itself, supports move as prescribed.
     fn unpredicted(&self, target: &Target, drive: &PrescribedMotion) -> Option<Prediction> {
         let changes = target.numbers.iter().any(|(key, value)| self.engine.state.numbers.get(key) != Some(value));
         changes.then(|| {

@@ -121,7 +121,7 @@ pub struct StepReport {
     /// others that touch: by so much is the energy too high. They are released until it is 1e-9, but for contacts none
     /// of whose nodes is theirs alone, so near are their neighbours; 0 without contact and under other laws.
     pub complementarity: f64,
-    /// Factor by which the contact law stayed softer than asked for, because the mesh could not carry it; 1 otherwise.
+    /// Factor by which the contact law stayed softer than requested, because the mesh could not carry it; 1 otherwise.
     /// Gaps are enforced all the same; a point contact is spread wider by the cube root of it.
     pub stiffness_reduction: f64,
     /// Newton iterations elsewhere, not among the others: on a shorter rod, from whose equilibrium the start of a long

@@ -431,7 +431,7 @@ fn begin(
     let mut size = options.step;
     while size >= options.min_step {
         let plane = Hyperplane { normal: &direction, distance: size };
-        // deflections are found when the chord is about as long as asked for: else Newton went elsewhere
+        // deflections are found when the chord is about as long as requested: else Newton went elsewhere
         let found = tracer.correct(&crossing, &direction.scaled(size), &plane).unwrap_or(None);
         if let Some(point) = found.filter(|p| p.chord <= MAX_CHORD * size) {
             reporter.points = 1;

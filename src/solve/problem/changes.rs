@@ -75,7 +75,7 @@ impl Engine {
         self.residual_of_numbers(state, true).potential.total()
     }
 
-    /// The residual of elements, and of loads if asked for, in a state with its numbers; contact is left alone.
+    /// The residual of elements, and of loads if requested, in a state with its numbers; contact is left alone.
     pub(in crate::solve::problem) fn residual_of_numbers(&mut self, state: &State, loads: bool) -> Residual {
         self.with_numbers(&state.numbers, |engine| {
             let mut out = engine.start_residual(state);

@@ -42,7 +42,7 @@ pub(crate) struct ContactSide {
     pub(crate) near_bodies: Vec<[u32; 2]>,
     /// Counts changes of these.
     near_generation: u64,
-    /// Screened repulsion of the strands, if it is asked for.
+    /// Screened repulsion of the strands, if it is requested.
     pub(crate) repulsion: Option<Repulsion>,
     /// Generations of the sides that this one has replaced.
     generations_before: u64,

@@ -60,7 +60,7 @@ pub struct Engine {
     pub(crate) sharing: Sharing,
     pub(crate) state: State,
     pub(crate) contact: Option<ContactSide>,
-    /// The contact law as it was asked for: by the mesh, its stiffness follows the numbers of the rods.
+    /// The contact law as it was requested: by the mesh, its stiffness follows the numbers of the rods.
     pub(crate) law_asked: ContactLaw,
     pub(crate) scales: Scales,
     /// Masses that shifts multiply, six per node: (B/L⁴)·h for positions, times the square of a length for rotations.
@@ -217,13 +217,13 @@ impl Engine {
         Ok(())
     }
 
-    /// Stiffness of the contact law asked for \[F/L²\]; 0 without contact.
+    /// Stiffness of the contact law requested \[F/L²\]; 0 without contact.
     pub(crate) fn contact_stiffness(&self) -> f64 {
         let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
         contact_side::stiffness(self.model.contact.law.stiffness().unwrap_or(0.0), self.scales.bending, radius)
     }
 
-    /// How many times softer than asked for the contact law in force is; 1 without contact, and under a core law,
+    /// How many times softer than requested the contact law in force is; 1 without contact, and under a core law,
     /// which is only on the way.
     pub(crate) fn stiffness_reduction(&self) -> f64 {
         match self.contact.as_ref().map(|side| side.law) {

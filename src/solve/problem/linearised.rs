@@ -5,7 +5,6 @@
 
 use crate::error::SolveError;
 use crate::math::Vec3;
-use crate::rod::element::Stress;
 use crate::solve::problem::assembly::{Residual, Tangent};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -29,8 +28,6 @@ pub(crate) struct Linearised {
     bases: Bases,
     /// ∂²Π/∂x².
     tangent: Vec<f64>,
-    /// Stresses that it is computed with.
-    stress: Vec<[Stress; 3]>,
     /// What springs on zero-energy modes add.
     springs: Vec<f64>,
     border: Option<SlidingConstraint>,
@@ -62,47 +59,28 @@ impl Linearised {
         let (mut assembled, drive) = (Tangent::default(), PrescribedMotion::default());
         let stress = engine.actual_stress(&state);
         let residual = engine.linearise(&state, Some(&stress), &drive, (&pattern, &mut assembled));
+        let (bases, mut tangent) = (residual.bases.clone(), assembled.values);
+        for (vector, factor) in products(engine, &residual) {
+            add_product(&pattern, &bases, &mut tangent, &vector, factor);
+        }
         let zero_energy = ZeroEnergyModes::at(engine, &state, &residual);
-        let mut springs = vec![0.0; assembled.values.len()];
-        zero_energy.add_pins(engine, &state, (&pattern, &residual.bases), &mut springs);
+        let mut springs = vec![0.0; tangent.len()];
+        zero_energy.add_pins(engine, &state, (&pattern, &bases), &mut springs);
+        let constraint = zero_energy.sliding_constraint();
+        let motions = zero_energy.all(engine);
         let mut linearised = Self {
             pattern,
             factor,
-            bases: residual.bases.clone(),
-            tangent: assembled.values,
-            stress,
+            bases,
+            tangent,
             springs,
             border: None,
             residual,
-            zero_energy: zero_energy.all(engine),
+            zero_energy: motions,
             num_negative: 0,
         };
-        linearised.factorise(zero_energy.sliding_constraint())?;
-        linearised.sharpen_stresses(engine);
-        for (vector, factor) in products(engine, &linearised.residual) {
-            add_product(&linearised.pattern, &linearised.bases, &mut linearised.tangent, &vector, factor);
-        }
-        linearised.factorise(zero_energy.sliding_constraint())?;
+        linearised.factorise(constraint)?;
         Ok(linearised)
-    }
-
-    /// Assembles the tangent again with the shear forces and tensions that one more Newton increment leads to. Those of
-    /// the state are strains of rounded positions times stiffnesses that are nearly rigid: noise on fine meshes.
-    fn sharpen_stresses(&mut self, engine: &Engine) {
-        let back: Vec<f64> = self.residual.gradient.iter().map(|force| -force).collect();
-        let increment = self.solve(&back);
-        let predicted = engine.predicted_stress(&engine.state, &increment);
-        for (point, predicted) in self.stress.iter_mut().flatten().zip(predicted.iter().flatten()) {
-            point[..3].copy_from_slice(&predicted[..3]);
-        }
-        let mut assembled = Tangent::default();
-        engine.linearise(
-            &engine.state,
-            Some(&self.stress),
-            &PrescribedMotion::default(),
-            (&self.pattern, &mut assembled),
-        );
-        self.tangent = assembled.values;
     }
 
     fn factorise(&mut self, constraint: Option<Vec<f64>>) -> Result<(), SolveError> {
@@ -148,7 +126,8 @@ impl Linearised {
     /// supported unknowns included on both sides. Contact is that of the law.
     pub(crate) fn driven(&self, engine: &Engine, motion: (usize, Vec3, Vec3)) -> Vec<f64> {
         let (drive, mut tangent) = (PrescribedMotion { nodes: vec![motion], seams: Vec::new() }, Tangent::default());
-        engine.linearise(&engine.state, Some(&self.stress), &drive, (&self.pattern, &mut tangent));
+        let stress = engine.actual_stress(&engine.state);
+        engine.linearise(&engine.state, Some(&stress), &drive, (&self.pattern, &mut tangent));
         tangent.drive
     }
 

@@ -47,7 +47,7 @@ const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
 /// shorter is rejected again.
 const RAISING: f64 = 4.0;
 /// Decrease of the potential, over the expected one, with which a step is accepted. With .1 instead, a rod a million
-/// times as long as thick does not come to rest under its whole load at once.
+/// times as long as thick does not converge under its whole load at once.
 const LEAST: f64 = 0.05;
 
 /// State of a search.

@@ -19,7 +19,7 @@ use crate::sparse::{Factor, Pattern};
 pub(crate) const NEUTRAL_SHIFT: f64 = 1e-7;
 
 /// The same where a motion may cost next to nothing that neither springs hold nor elasticity. Of several rods, one that
-/// others push comes to rest where it just touches them without force; what force the tolerance leaves (1e-8 B/L²)
+/// others push converges where it just touches them without force; what force the tolerance leaves (1e-8 B/L²)
 /// makes rolling off along them unstable by that over the strands' distance. A closed rod clamped at a node swings
 /// about its tangent there and spins back, which loads resist by as little as they are. The softest bending of a rod
 /// has 12 and more. These motions are not left out of the count for good: with a load on it, a ring that stands upright

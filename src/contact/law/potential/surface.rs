@@ -79,9 +79,9 @@ struct SurfacePoint {
 pub(crate) struct SurfaceContact {
     pub(crate) segment: usize,
     pub(crate) surface: usize,
-    /// None unless asked for.
+    /// None unless requested.
     pub(crate) zones: Vec<SurfaceZone>,
-    /// None unless the tangent was asked for.
+    /// None unless the tangent was requested.
     points: Vec<SurfacePoint>,
 }
 
@@ -92,7 +92,7 @@ pub(crate) struct SurfaceTerm {
     /// Energy \[F·L\].
     pub(crate) energy: f64,
     pub(crate) gradient: [f64; 18],
-    /// Second derivative, the first eighteen rows and columns filled; none unless asked for.
+    /// Second derivative, the first eighteen rows and columns filled; none unless requested.
     pub(crate) tangent: Option<Box<PairTangent>>,
 }
 
@@ -301,7 +301,7 @@ struct SurfaceSum {
     stiffness: [[Mat3; 4]; 4],
     /// What a body that a node carries adds to it.
     carried: CarriedStiffness,
-    /// The points in contact, if the tangent was asked for.
+    /// The points in contact, if the tangent was requested.
     points: Vec<SurfacePoint>,
 }
 
@@ -441,7 +441,7 @@ fn gradient(handles: &[Vec3; 2], force: &[Vec3; 4], torque: &Vec3) -> [f64; 18] 
 }
 
 impl SurfaceContact {
-    /// Smallest gap \[L\]; infinite if no zones were asked for.
+    /// Smallest gap \[L\]; infinite if no zones were requested.
     pub(crate) fn min_gap(&self) -> f64 {
         self.zones.iter().map(|zone| zone.min_gap).fold(f64::INFINITY, f64::min)
     }
@@ -452,7 +452,7 @@ impl SurfaceContact {
         self.points.iter().map(move |point| (self.touched(set, point.u, point.normal, &point.arm), point.stiffness))
     }
 
-    /// The point of the smallest gap, if zones were asked for.
+    /// The point of the smallest gap, if zones were requested.
     pub(crate) fn nearest(&self, set: &CurveSet, body: &Surface) -> Option<TouchedPoint> {
         let zone = self.zones.iter().min_by(|a, b| a.min_gap.total_cmp(&b.min_gap))?;
         let arm = point_of(&relative(body, set, self.segment), zone.nearest);

@@ -3,7 +3,7 @@
 //! A long plectoneme is uniform but near its end loops, and these are the same at any length. So where the start state
 //! of a closed rod is a uniform double helix in the middle, elements are cut out of it, and the short rod is brought to
 //! rest. Then the elements are put back, in the shape of the short rod's middle (`double_helix`), and the rod closes
-//! again exactly. The short rod's link is chosen so that the long one keeps its own. The long rod then comes to rest
+//! again exactly. The short rod's link is chosen so that the long one keeps its own. The long rod then converges
 //! from there like from any other state, or says that it does not.
 //!
 //! Pressures are smoothed on the short rod first ([`Solver::smooth_pressures`]). Otherwise ripples of elements that
@@ -96,7 +96,7 @@ fn moved(mut state: State, there: &Vec3) -> State {
 
 impl Solver {
     /// Where the state is a long plectoneme that nothing holds or moves: one whose ends are at rest, with the contact
-    /// offsets that hold them there. None where it is not, or where the short rod does not come to rest. Iterations on
+    /// offsets that hold them there. None where it is not, or where the short rod does not converge. Iterations on
     /// the short rod are added to `elsewhere`.
     pub(in crate::solve::load_step) fn periodic_extension(
         &mut self,
@@ -362,7 +362,7 @@ mod tests {
 
     #[test]
     fn strands_under_smooth_pressures_do_not_want_to_slide() {
-        // at this angle strands come to rest on a crest of the mesh's ripples; at .29 in a trough
+        // at this angle a search ends on a crest of the mesh's ripples; at 0.29 in a trough
         let mut solver = plectoneme(240, 0.31);
         assert_eq!(solver.solve_step(&PrescribedMotion::default()).status, Status::Converged);
         let before = stiffness_of_sliding(&mut solver);

@@ -3,7 +3,7 @@
 //! Pulled and turned far enough, a straight rod snaps into a plectoneme between two straight tails (magnetic tweezers).
 //! Its end loop and its transitions are the same on a rod of any length, its double helix and its tails are uniform. So
 //! a piece of the rod is turned until it snaps, and brought to rest; then its double helix and its tails are lengthened
-//! ([`Exchange`](super::growth)) to the length and the turns of the whole. The long rod comes to rest from there like
+//! ([`Exchange`](super::growth)) to the length and the turns of the whole. The long rod converges from there like
 //! from any other state, or says that it does not.
 
 use crate::math::Vec3;
@@ -134,7 +134,7 @@ mod tests {
         (solver, drive)
     }
 
-    /// A long rod comes to rest with its link, and where it does the slow way, from the straight rod under the core
+    /// A long rod converges with its link, and where it does the slow way, from the straight rod under the core
     /// law, in a small part of the iterations.
     #[test]
     fn long_rods_snap_as_short_ones_do() {

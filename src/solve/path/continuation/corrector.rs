@@ -90,7 +90,7 @@ struct Stall {
 
 impl Stall {
     /// Whether a path's point is at rest although increments do not shrink: near a branch point rounding makes
-    /// increments along the critical direction without end; the residual is their square, and tells rest.
+    /// increments along the critical direction without end; the residual is their square, and decides convergence.
     fn is_reached(&mut self, residual: f64, increment: f64) -> bool {
         let stalls = residual <= BALANCED && residual > CONTRACTION * self.least && increment <= BALANCED.sqrt();
         self.count = if stalls { self.count + 1 } else { 0 };

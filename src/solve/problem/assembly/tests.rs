@@ -44,7 +44,7 @@ fn at(engine: &mut Engine, state: &State) -> Residual {
     engine.residual(state)
 }
 
-/// Symptom: rods that reach 10⁵ node spacings from the origin came to rest no nearer than a relative residual of 1e-8.
+/// Symptom: rods that reach 10⁵ node spacings from the origin converged no nearer than a relative residual of 1e-8.
 /// Mechanism: a unit in the last place of a position is a stretch of the elements beside it and an overlap of strands.
 #[test]
 fn far_from_the_origin_forces_are_the_same() {

@@ -25,7 +25,7 @@ const CLIMBING: f64 = 8.0;
 /// exactly takes more factorisations than a step saves.
 const MARGIN: f64 = 1.5;
 /// Factor by which a shift is raised or lowered at least, because each try is a factorisation. With 1.5 for lowering, a
-/// penalty of κ' = 10⁸ without augmentation does not come to rest.
+/// penalty of κ' = 10⁸ without augmentation does not converge.
 const LEAST_CHANGE: f64 = 2.0;
 
 /// A step and the quadratic model along it.

@@ -97,7 +97,7 @@ fn plectonemes_grow_to_where_they_rest() {
 }
 
 /// Symptom: a rod hardly to be stretched took hundreds of iterations for a tenth of a turn. Mechanism: the potential of
-/// what is put together is told with its stretch and shear, which a correction mends.
+/// what is put together is given its stretch and shear, which a correction mends.
 #[test]
 fn rods_hardly_to_be_stretched_grow_in_small_turns() {
     let mut solver = stretching(1e5, 100, 1);
