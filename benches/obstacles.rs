@@ -73,7 +73,9 @@ fn processor_time() -> f64 {
 }
 
 /// Nodes that are pushed are the ends of the segments that brute force finds to overlap an obstacle.
-fn verify(solver: &Solver) -> usize {
+fn verify(solver: &mut Solver) -> usize {
+    // contact is looked for where a state is given
+    solver.set_state(solver.engine().state().clone()).unwrap();
     let engine = solver.engine();
     let points = engine.centerline(0, POINTS).0;
     let nodes = engine.state().positions.len();
@@ -118,7 +120,7 @@ fn main() {
     let segments =
         list.iter().position(|a| a == "--segments").map_or(100_000, |k| list[k + 1].parse::<usize>().unwrap());
     let mut least = [f64::INFINITY; 2];
-    let pushed = verify(&solver(segments, Some(OVERLAP)));
+    let pushed = verify(&mut solver(segments, Some(OVERLAP)));
     for _ in 0..RUNS {
         for (least, overlap) in least.iter_mut().zip([None, Some(APART)]) {
             *least = least.min(iteration(segments, overlap));

@@ -384,21 +384,24 @@ fn ask(
 
 /// The J-factor by the final states of two runs.
 fn j_factor(runs: &TwoRuns) -> Result<u8, InputError> {
-    let states = || Ok([FinalState::read(&runs.dir, None)?, FinalState::read(&runs.reference, None)?]);
-    let found = states().and_then(|states| StateComparison::of_ends(states, runs.thermal_energy));
-    told(found.map(|found| say(format_args!("{found}"))))
+    let answer = || -> Result<(), RunError> {
+        let states = [&mut FinalState::read(&runs.dir, None)?, &mut FinalState::read(&runs.reference, None)?];
+        say(format_args!("{}", StateComparison::of_ends(states, runs.thermal_energy)?));
+        Ok(())
+    };
+    told(answer())
 }
 
 /// Free energy, standard deviations, slopes of the free energy at the final state of a run.
 fn at_temperature(asked: &FreeEnergy) -> Result<u8, InputError> {
     let FreeEnergy { dir, reference, of, to, thermal_energy } = asked;
     let answer = || -> Result<(), RunError> {
+        let mut state = FinalState::read(dir, None)?;
         if let Some(reference) = reference {
-            let states = [FinalState::read(dir, None)?, FinalState::read(reference, None)?];
+            let states = [&mut state, &mut FinalState::read(reference, None)?];
             say(format_args!("{}", StateComparison::of_free_energies(states, *thermal_energy)?));
         }
         if !of.is_empty() || !to.is_empty() {
-            let mut state = FinalState::read(dir, None)?;
             say(format_args!("{}", ThermalState::new(&mut state, *thermal_energy, (of, to))?));
         }
         Ok(())

@@ -1,6 +1,5 @@
 """Files for ParaView, read by VTK itself, which is strict."""
 
-import os
 import subprocess
 from pathlib import Path
 
@@ -33,10 +32,7 @@ picture = false
 """
 
 
-def test_vtk_reads_all_of_a_step(tmp_path: Path) -> None:
-    program = os.environ.get("SUPERCOIL_PROGRAM")
-    if program is None:
-        pytest.skip("SUPERCOIL_PROGRAM names no command line: python/check does")
+def test_vtk_reads_all_of_a_step(program: str, tmp_path: Path) -> None:
     vtk = pytest.importorskip("vtk")
     from vtk.util.numpy_support import vtk_to_numpy
 

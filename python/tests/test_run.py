@@ -1,7 +1,6 @@
 """Runs: the same bits as the command line, callbacks, exceptions, Ctrl-C."""
 
 import csv
-import os
 import pickle
 import signal
 import subprocess
@@ -33,10 +32,7 @@ def result() -> Result:
     return ring().run()
 
 
-def test_a_run_equals_the_command_line(tmp_path: Path) -> None:
-    program = os.environ.get("SUPERCOIL_PROGRAM")
-    if not program:
-        pytest.skip("SUPERCOIL_PROGRAM names no command line: python/check does")
+def test_a_run_equals_the_command_line(program: str, tmp_path: Path) -> None:
     file = tmp_path / "ring.toml"
     file.write_text(ring().to_toml())
     subprocess.run([program, "run", file, "--out", tmp_path / "out", "--quiet"], check=True, timeout=300)
@@ -60,11 +56,8 @@ def parting() -> Scene:
     return Scene(rods, supports=held, contact={"law": "none"}, stages=Stage(displacement=away, steps=4))
 
 
-def test_a_folder_equals_that_of_the_command_line(tmp_path: Path) -> None:
+def test_a_folder_equals_that_of_the_command_line(program: str, tmp_path: Path) -> None:
     """The same files, the same table to the bit, with notes that compare states."""
-    program = os.environ.get("SUPERCOIL_PROGRAM")
-    if not program:
-        pytest.skip("SUPERCOIL_PROGRAM names no command line: python/check does")
     file = tmp_path / "rings.toml"
     file.write_text(parting().to_toml())
     subprocess.run([program, "run", file, "--out", tmp_path / "cli", "--quiet"], check=True, timeout=300)

@@ -70,10 +70,7 @@ def test_the_table_has_every_case_and_its_failures(tmp_path: Path) -> None:
     assert frame["case"].tolist() == result.table["case"].tolist()
 
 
-def test_the_command_line_shares_the_folder(tmp_path: Path) -> None:
-    program = os.environ.get("SUPERCOIL_PROGRAM")
-    if not program:
-        pytest.skip("SUPERCOIL_PROGRAM names no command line: python/check does")
+def test_the_command_line_shares_the_folder(program: str, tmp_path: Path) -> None:
     file, folder = sweep_file(tmp_path, 12), tmp_path / "sweep"
     subprocess.run([program, "sweep", "plan", file, "--out", folder], check=True, timeout=60)
     subprocess.run([program, "sweep", "run", folder, "--shard", "0/2", "--quiet"], check=True, timeout=60)

@@ -372,14 +372,13 @@ fn joints(subject: &Subject, first: &[usize], scale: &Scale) -> Option<Check> {
     };
     for joint in &model.joints {
         let lever = model.rods[joint.a.rod].spacing();
-        let in_space = |k: usize| !model.planar || k == 2;
-        for k in 0..3 {
-            if !model.planar || k < 2 {
-                sum(&model.joined_nodes(joint.a), &|at| at.force[k], 1.0);
-            }
-        }
+        // in a plane forces lie in it and moments are across it
+        let (forces, moments) = if model.planar { (0..2, 2..3) } else { (0..3, 0..3) };
+        let joined = model.joined_nodes(joint.a);
+        forces.for_each(|k| sum(&joined, &|at| at.force[k], 1.0));
         for end in [joint.a, joint.b] {
-            (0..3).filter(|k| in_space(*k)).for_each(|k| sum(&model.hinged_nodes(end), &|at| at.moment[k], lever));
+            let hinged = model.hinged_nodes(end);
+            moments.clone().for_each(|k| sum(&hinged, &|at| at.moment[k], lever));
             let rod = &model.rods[end.rod];
             let turn = state.frames[first[end.rod] + end.node] * rod.frames[end.node].inverse();
             if let Some(axis) = model.hinge_axis(joint).map(|axis| turn * axis) {

@@ -48,12 +48,12 @@ fn weighed(state: &mut FinalState, thermal_energy: f64) -> Result<Weighed, RunEr
 
 impl StateComparison {
     fn new(
-        [mut state, mut other]: [FinalState; 2],
+        [state, other]: [&mut FinalState; 2],
         thermal_energy: Option<f64>,
         kind: Compared,
     ) -> Result<Self, RunError> {
         let thermal_energy = state.thermal_energy(thermal_energy)?;
-        let [own, reference] = [weighed(&mut state, thermal_energy)?, weighed(&mut other, thermal_energy)?];
+        let [own, reference] = [weighed(state, thermal_energy)?, weighed(other, thermal_energy)?];
         let ([free, locked], [free_there, locked_there]) = (&own.harmonic, &reference.harmonic);
         let compare = |a: &Harmonic, b: &Harmonic| match kind {
             Compared::FreeEnergy => a.relative_to(b, thermal_energy),
@@ -79,7 +79,7 @@ impl StateComparison {
     ///
     /// # Errors
     /// Units without a temperature and no kT; states that cannot be compared ([`Harmonic::relative_to`]).
-    pub fn of_free_energies(states: [FinalState; 2], thermal_energy: Option<f64>) -> Result<Self, RunError> {
+    pub fn of_free_energies(states: [&mut FinalState; 2], thermal_energy: Option<f64>) -> Result<Self, RunError> {
         Self::new(states, thermal_energy, Compared::FreeEnergy)
     }
 
@@ -87,7 +87,7 @@ impl StateComparison {
     ///
     /// # Errors
     /// As [`StateComparison::of_free_energies`]; [`Harmonic::j_factor`].
-    pub fn of_ends(states: [FinalState; 2], thermal_energy: Option<f64>) -> Result<Self, RunError> {
+    pub fn of_ends(states: [&mut FinalState; 2], thermal_energy: Option<f64>) -> Result<Self, RunError> {
         Self::new(states, thermal_energy, Compared::JFactor)
     }
 }

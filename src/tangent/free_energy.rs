@@ -189,7 +189,8 @@ impl EquilibriumTangent<'_> {
             self.check_contact_force(observable)?;
             gradients.push(self.gradient_of(observable)?);
         }
-        let responses: Vec<Vec<f64>> = gradients.iter().map(|gradient| self.linearised.solve(gradient)).collect();
+        let responses: Vec<Vec<f64>> =
+            gradients.iter().map(|gradient| self.linearised.solve(self.engine, gradient)).collect();
         Ok(DMatrix::from_fn(of.len(), of.len(), |i, j| thermal_energy * dot(&gradients[i], &responses[j])))
     }
 }

@@ -204,7 +204,7 @@ impl Pencil for Shapes<'_> {
             let work = dot(motion, &forces);
             forces.iter_mut().zip(mass).for_each(|(f, m)| *f -= work * m);
         }
-        let mut motion = self.linearised.solve(&forces);
+        let mut motion = self.linearised.solve(self.engine, &forces);
         remove(&self.held, &mut motion);
         motion
     }

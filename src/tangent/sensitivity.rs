@@ -376,7 +376,7 @@ impl EquilibriumTangent<'_> {
     pub(super) fn adjoint(&mut self, of: &Observable) -> Result<Adjoint, RunError> {
         self.check_contact_force(of)?;
         let gradient = self.gradient_of(of)?;
-        let mut motion = self.linearised.solve(&gradient);
+        let mut motion = self.linearised.solve(self.engine, &gradient);
         if self.closed.is_empty() {
             return Ok(Adjoint { gradient, motion, gaps: Vec::new() });
         }
@@ -402,7 +402,7 @@ impl EquilibriumTangent<'_> {
                 (0..6).for_each(|k| forces[6 * node + k] += six[k]);
             }
             self.engine.give_to_masters(&mut forces);
-            responses.push(self.linearised.solve(&forces));
+            responses.push(self.linearised.solve(self.engine, &forces));
         }
         let count = self.closed.len();
         let matrix = DMatrix::from_fn(count, count, |j, k| self.closed[j].push_along(&responses[k]));

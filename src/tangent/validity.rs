@@ -66,7 +66,7 @@ impl EquilibriumTangent<'_> {
         let [before, here, after] = [-step, 0.0, step].map(&mut at);
         let forces: Vec<f64> =
             (0..here.len()).map(|i| -(after[i] + before[i] - 2.0 * here[i]) / (step * step)).collect();
-        let mut bend = self.linearised.solve(&forces);
+        let mut bend = self.linearised.solve(self.engine, &forces);
         // rigid motions of the second order cost nothing
         for motion in &self.linearised.zero_energy {
             let part = dot(motion, &bend) / dot(motion, motion);

@@ -14,6 +14,7 @@ pub mod shooting;
 pub mod two_ply;
 
 use std::ops::ControlFlow;
+use std::path::Path;
 
 use supercoil::internals::element::{ElementNodes, Strain, raw_strains, stiffness};
 use supercoil::internals::quaternion::to_array;
@@ -22,8 +23,10 @@ use supercoil::math::{Quat, Vec3};
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, Section};
-use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Support};
-use supercoil::solve::{FollowOptions, Options, PathEnd, PathPoint, PointKind, Progress, Solver, StepReport};
+use supercoil::scene::{Contact, Model, NodeLoad, NodeRef, Ramp, Scene, Support};
+use supercoil::solve::{
+    self, FollowOptions, Options, PathEnd, PathPoint, PointKind, Progress, Solution, Solver, Status, StepReport,
+};
 
 /// Prints a row of the verification table (seen with `--nocapture`) and asserts |measured − reference| ≤ tolerance.
 pub fn verify(case: &str, quantity: &str, measured: f64, reference: f64, tolerance: f64) {
@@ -37,6 +40,29 @@ pub fn verify_point(case: &str, measured: &Vec3, reference: [f64; 3], tolerance:
     for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
         verify(case, name, measured[k], reference[k], tolerance);
     }
+}
+
+/// Runs a scene whose files are in a folder: all its states, each with its certificate.
+pub fn run(text: &str, folder: &Path, options: impl FnOnce(&Scene) -> Options) -> (Solution, Vec<Observation>) {
+    let scene = Scene::from_toml(text, folder).unwrap();
+    let options = options(&scene);
+    let mut seen = Vec::new();
+    let solution = solve::run(scene.model, &scene.stages, &options, &mut |progress| {
+        seen.push(observe(progress));
+        ControlFlow::Continue(())
+    });
+    let solution = solution.unwrap();
+    assert_eq!(solution.status, Status::Converged, "{:?}: {text}", solution.failure);
+    for step in &seen {
+        assert_eq!(step.status, "converged", "step {}: {}", step.step, step.certificate);
+    }
+    (solution, seen)
+}
+
+/// Runs a scene without files: its last state.
+pub fn run_to_end(text: &str) -> (Solution, Observation) {
+    let (solution, mut seen) = run(text, Path::new(""), |_| Options::default());
+    (solution, seen.pop().unwrap())
 }
 
 /// Least-squares slope of log error against log size.

@@ -2,31 +2,18 @@
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
-use std::ops::ControlFlow;
 use std::path::Path;
 
+use crate::common;
 use supercoil::io::run::options;
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::scene::Scene;
 use supercoil::scene::file::TEMPLATES;
-use supercoil::solve::{self, Options, Solution, Status};
+use supercoil::solve::{Options, Solution};
 
 fn run(text: &str) -> (Solution, Vec<Observation>) {
-    let scene = Scene::from_toml(text, Path::new("")).unwrap();
-    let mut seen = Vec::new();
-    let options = Options { threads: Some(1), ..options(&scene) };
-    let solution = solve::run(scene.model, &scene.stages, &options, &mut |progress| {
-        seen.push(observe(progress));
-        ControlFlow::Continue(())
-    });
-    let solution = solution.unwrap();
-    assert_eq!(solution.status, Status::Converged, "{:?}", solution.failure.map(|failure| failure.to_string()));
-    for step in &seen {
-        assert_eq!(step.status, "converged", "step {}: {}", step.step, step.certificate);
-    }
-    (solution, seen)
+    common::run(text, Path::new(""), |scene| Options { threads: Some(1), ..options(scene) })
 }
 
 const SECTION: &str =

@@ -5,14 +5,12 @@
 
 use std::f64::consts::PI;
 use std::fmt::Write;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use crate::common;
 use supercoil::io::run::options;
-use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::scene::Scene;
-use supercoil::solve::{self, Options, Status};
+use supercoil::solve::Options;
 
 /// Load on the free end, N.
 const LOAD: f64 = 5.0;
@@ -53,19 +51,7 @@ fn pulled([rope, post]: [f64; 2], [soft, stiff]: [f64; 2]) -> Vec<Observation> {
         clamp("rope", "start"),
         -LOAD,
     );
-    let scene = Scene::from_toml(&text, &folder).unwrap();
-    let options = Options { threads: Some(1), ..options(&scene) };
-    let mut seen = Vec::new();
-    let solution = solve::run(scene.model, &scene.stages, &options, &mut |progress| {
-        seen.push(observe(progress));
-        ControlFlow::Continue(())
-    })
-    .unwrap();
-    assert_eq!(solution.status, Status::Converged, "{rope} {post}: {:?}", solution.failure.map(|f| f.to_string()));
-    for step in &seen {
-        assert_eq!(step.status, "converged", "{rope} {post}, step {}: {}", step.step, step.certificate);
-    }
-    seen
+    common::run(&text, &folder, |scene| Options { threads: Some(1), ..options(scene) }).1
 }
 
 /// Without friction n·t + M²/2B is the same all along the rope: the load at its free end, at the clamp what this bears.

@@ -20,27 +20,13 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use crate::common::{runge_kutta, shooting, verify, verify_point};
+use crate::common::{run_to_end as run, runge_kutta, shooting, verify, verify_point};
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
-use supercoil::observe::report::Observation;
 use supercoil::scene::Scene;
-use supercoil::solve::{self, Options, Solution, Status};
+use supercoil::solve::{self, Options, Solution};
 
 const SECTION: &str =
     "section = { bending = 1e-3, twisting = 1e-3, stretching = 100, shearing = 100, contact_radius = 0.005 }";
-
-fn run(text: &str) -> (Solution, Observation) {
-    let scene = Scene::from_toml(text, Path::new(".")).unwrap();
-    let mut last = None;
-    let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
-        last = Some(observe(progress));
-        ControlFlow::Continue(())
-    });
-    let solution = solution.unwrap();
-    assert_eq!(solution.status, Status::Converged, "{:?}: {text}", solution.failure);
-    (solution, last.unwrap())
-}
 
 fn pendulum(direction: &str, more: &str) -> String {
     format!(

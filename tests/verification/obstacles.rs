@@ -32,37 +32,18 @@
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
 use std::f64::consts::{FRAC_PI_2, TAU};
-use std::ops::ControlFlow;
-use std::path::Path;
 
-use crate::common::{root, verify};
+use crate::common::{root, run_to_end as last, verify};
 use crate::planes;
 
 use supercoil::math::Vec3;
-use supercoil::observe::observe;
 use supercoil::observe::report::{Observation, SiteKind};
-use supercoil::scene::Scene;
-use supercoil::solve::{self, Options, Solution, Status};
 
 /// All steps of a scene, each with its certificate.
 fn steps(text: &str) -> Vec<Observation> {
     let seen = planes::steps(text);
     seen.iter().for_each(|step| assert_eq!(step.status, "converged", "{}", step.certificate));
     seen
-}
-
-/// The end of a scene, with its certificate.
-fn last(text: &str) -> (Solution, Observation) {
-    let scene = Scene::from_toml(text, Path::new("")).unwrap();
-    let mut last = None;
-    let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
-        last = Some(observe(progress));
-        ControlFlow::Continue(())
-    });
-    let (solution, last) = (solution.unwrap(), last.unwrap());
-    assert_eq!(solution.status, Status::Converged);
-    assert_eq!(last.status, "converged", "{}", last.certificate);
-    (solution, last)
 }
 
 /// A closed ring of radius 1, EA = 1000, in the x-y plane.

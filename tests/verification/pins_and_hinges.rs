@@ -15,28 +15,14 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use crate::common::{verify, verify_point};
+use crate::common::{run_to_end as run, verify, verify_point};
 use supercoil::math::{Quat, Vec3};
-use supercoil::observe::observe;
 use supercoil::observe::report::{JointForce, Observation};
 use supercoil::scene::Scene;
 use supercoil::solve::{self, Options, Restart, Solution, Status, run_from};
 
 const STIFF: &str =
     "section = { bending = 1e6, twisting = 1e6, stretching = 1e8, shearing = 1e8, contact_radius = 0.0 }";
-
-fn run(text: &str) -> (Solution, Observation) {
-    let scene = Scene::from_toml(text, Path::new(".")).unwrap();
-    let mut last = None;
-    let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
-        last = Some(observe(progress));
-        ControlFlow::Continue(())
-    });
-    let (solution, last) = (solution.unwrap(), last.unwrap());
-    assert_eq!(solution.status, Status::Converged, "{:?}: {text}", solution.failure);
-    assert_eq!(last.status, "converged", "{:?}", last.certificate);
-    (solution, last)
-}
 
 fn end_of(solution: &Solution, rod: usize) -> Vec3 {
     *solution.solver.engine().positions(rod).last().unwrap()

@@ -301,7 +301,8 @@ impl ContactGeometry<'_> {
     /// last bit and derivatives by a stiffness do not see it.
     fn share(&self, slave: usize, master: usize) -> f64 {
         let bending = |segment: usize| self.bending.get(self.strands.curve_of(segment)).copied().unwrap_or(1.0);
-        1.0 / (1.0 + 10f64.powf((bending(slave) / bending(master)).log10().round()))
+        let (own, other) = (bending(slave), bending(master));
+        if own == other { 0.5 } else { 1.0 / (1.0 + 10f64.powf((own / other).log10().round())) }
     }
 
     /// The pair as lines, if both are straight and the reach does not vary along the slave.

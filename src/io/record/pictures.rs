@@ -59,16 +59,12 @@ impl Record {
         let axes = self.axes(&frames);
         let regions = frames.iter().map(|frame| self.region(frame, &axes));
         let region = regions.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]).unwrap_or_default();
-        let shown = extents(region, false);
-        let center = Some(middle(region, &axes, None));
-        let [width, height] = canvas(shown, FRAME);
-        let visible_width = Some(width_shown(shown, [width, height]));
+        let empty = of_strip(region, &axes);
         let range = self.range(frames.iter().copied());
         for &frame in &frames {
-            let picture = self.picture(frame, &frames, &axes, range);
-            let picture = TubePicture { width, height, supersampling: 2, center, visible_width, ..picture };
-            let mut drawn = picture.render()?;
-            self.add_legends(&mut drawn, visible_width, None);
+            let TubePicture { tubes, spots, lines, .. } = self.picture(frame, &frames, &axes, range);
+            let mut drawn = TubePicture { tubes, spots, lines, ..empty.clone() }.render()?;
+            self.add_legends(&mut drawn, empty.visible_width, None);
             stills.push((drawn, self.caption(frame.step)));
         }
         film_strip(&stills, 3, [255; 3])?.save_png(&self.dir.join(files::FILM_STRIP))?;
@@ -92,16 +88,9 @@ impl Record {
         };
         let all: Vec<Still> = ends.iter().map(|(rods, _)| still(rods)).chain([still(rest)]).collect();
         let axes = self.axes(&all.iter().collect::<Vec<_>>());
-        let rows = coordinates(&axes);
         let radius = self.rods.iter().map(RodHead::radius).fold(0.0, f64::max);
-        let none = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
-        let points = all.iter().flat_map(|still| &still.rods).flat_map(|rod| &rod.points).map(|point| rows * point);
-        let region =
-            points.fold(none, |[low, high], p| [low.inf(&p.add_scalar(-radius)), high.sup(&p.add_scalar(radius))]);
-        let shown = extents(region, false);
-        let [width, height] = canvas(shown, FRAME);
-        let (center, visible_width) = (Some(middle(region, &axes, None)), Some(width_shown(shown, [width, height])));
-        let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };
+        let points = all.iter().flat_map(|still| &still.rods).flat_map(|rod| &rod.points);
+        let empty = of_strip(region_of(points, radius, &axes), &axes);
         let tubes = |rods: &[Vec<Vec3>], color: [u8; 3]| -> Vec<Tube> {
             let tube = |(points, head): (&Vec<Vec3>, &RodHead)| {
                 let (points, radii, closed) = (points.clone(), vec![head.radius()], head.closed);
@@ -112,9 +101,7 @@ impl Record {
         let mut stills = Vec::new();
         for (rods, caption) in ends {
             let tubes = [tubes(rest, AT_REST), tubes(rods, SWUNG)].concat();
-            let drawn = TubePicture { tubes, view, ..TubePicture::default() };
-            let drawn = TubePicture { width, height, supersampling: 2, center, visible_width, ..drawn };
-            stills.push((drawn.render()?, caption.clone()));
+            stills.push((TubePicture { tubes, ..empty.clone() }.render()?, caption.clone()));
         }
         let path = self.dir.join(files::MODES_PICTURE);
         film_strip(&stills, 3, [255; 3])?.save_png(&path)?;
@@ -210,15 +197,11 @@ impl Record {
 
     /// Smallest and largest coordinates \[L\] of what a frame shows: to the right, upwards, towards the eye.
     fn region(&self, frame: &Still, axes: &[Vec3; 2]) -> [Vec3; 2] {
-        let axes = coordinates(axes);
         let radius = (0..self.rods.len()).map(|rod| self.head(rod, frame.step).radius()).fold(0.0, f64::max);
-        let none = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
-        let points = frame.rods.iter().flat_map(|rod| &rod.points).map(|point| axes * point);
+        let points = frame.rods.iter().flat_map(|rod| &rod.points);
         // a plane is seen as far as rods are
         let lines = self.lines(frame, &[frame], |obstacle, _, _| !obstacle.is_plane());
-        points
-            .chain(lines.iter().flatten().map(|end| axes * end))
-            .fold(none, |[low, high], p| [low.inf(&p.add_scalar(-radius)), high.sup(&p.add_scalar(radius))])
+        region_of(points.chain(lines.iter().flatten()), radius, axes)
     }
 
     fn caption(&self, step: usize) -> String {
@@ -265,7 +248,7 @@ impl Record {
             Tube { points: rod.points.clone(), radii, closed: head.closed, colors, stripe }
         };
         let tubes = self.rods.iter().zip(&frame.rods).enumerate().map(tube).collect();
-        let view = View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] };
+        let view = view_along(axes);
         let eye = axes[0].cross(&axes[1]);
         let seen = |obstacle: &Obstacle, pose: &ObstaclePose, line: &_| {
             obstacle::normal(obstacle, pose, line).dot(&eye) >= 0.0
@@ -322,6 +305,28 @@ impl Record {
         let plot = PlotSpec { series: plot.series.into_iter().chain(snaps).collect(), ..plot };
         plot_lines(&self.dir.join(files::WRITHE), &plot)
     }
+}
+
+/// Smallest and largest coordinates \[L\] of balls about points: to the right, upwards, towards the eye.
+fn region_of<'a>(points: impl Iterator<Item = &'a Vec3>, radius: f64, axes: &[Vec3; 2]) -> [Vec3; 2] {
+    let axes = coordinates(axes);
+    let none = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
+    points
+        .map(|point| axes * point)
+        .fold(none, |[low, high], p| [low.inf(&p.add_scalar(-radius)), high.sup(&p.add_scalar(radius))])
+}
+
+fn view_along(axes: &[Vec3; 2]) -> View {
+    View::Along { forward: -axes[0].cross(&axes[1]), up: axes[1] }
+}
+
+/// A picture of a strip that shows a region, with nothing in it yet.
+fn of_strip(region: [Vec3; 2], axes: &[Vec3; 2]) -> TubePicture {
+    let shown = extents(region, false);
+    let [width, height] = canvas(shown, FRAME);
+    let (center, visible_width) = (Some(middle(region, axes, None)), Some(width_shown(shown, [width, height])));
+    let view = view_along(axes);
+    TubePicture { width, height, supersampling: 2, center, visible_width, view, ..TubePicture::default() }
 }
 
 /// Width and height \[L\] that show a whole region, with room for a colour bar on the right if there is one.

@@ -15,6 +15,15 @@ pub enum Material<'a> {
 }
 
 impl Material<'_> {
+    /// One of no stiffness, of the same kind.
+    #[must_use]
+    pub(crate) fn without_stiffness(&self) -> Material<'static> {
+        match self {
+            Self::Diagonal(_) => Material::Diagonal(&[0.0; 6]),
+            Self::Full(_) => Material::Full(&[[[0.0; 6]; 6]; 3]),
+        }
+    }
+
     /// Stress of a strain at integration point `g`.
     #[must_use]
     pub fn stress(&self, g: usize, strain: &Stress) -> Stress {

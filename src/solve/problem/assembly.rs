@@ -13,7 +13,7 @@ pub(in crate::solve) use scatter::Sink;
 use crate::contact::potential::surface::SurfaceContact;
 use crate::contact::potential::{CandidateTerms, ContactPair, Request};
 use crate::error::SolveError;
-use crate::rod::element::{ElementOutput, ElementTangent, Strain};
+use crate::rod::element::{ElementOutput, ElementTangent, Strain, Stress};
 use crate::solve::measures::LAST_PLACES;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -157,12 +157,33 @@ impl Engine {
         state: &State,
         predicted: Option<&[[Strain; 3]]>,
         drive: &PrescribedMotion,
+        to: (&Pattern, &mut Tangent),
+    ) -> Residual {
+        self.linearise_with(state, drive, to, |out, sink| self.add_elements(state, predicted, out, sink))
+    }
+
+    /// [`Engine::linearise`] without the part Bᵀ C B of the elements: see [`Engine::material_product`].
+    pub(in crate::solve) fn linearise_besides_material(
+        &self,
+        state: &State,
+        stress: &[[Stress; 3]],
+        to: (&Pattern, &mut Tangent),
+    ) {
+        let still = PrescribedMotion::default();
+        self.linearise_with(state, &still, to, |out, sink| self.add_geometric_tangent(state, stress, out, sink));
+    }
+
+    fn linearise_with(
+        &self,
+        state: &State,
+        drive: &PrescribedMotion,
         (pattern, tangent): (&Pattern, &mut Tangent),
+        add_elements: impl FnOnce(&mut Residual, &mut Sink) + Send,
     ) -> Residual {
         let mut out = self.start_residual(state);
         let out = self.install(|| {
             let mut sink = Sink::new(self, out.bases.clone(), drive, pattern, tangent);
-            self.add_elements(state, predicted, &mut out, &mut sink);
+            add_elements(&mut out, &mut sink);
             self.add_contact(Request { zones: false, tangent: true }, &mut out, Some(&mut sink));
             self.add_electrostatics(&mut out, Some(&mut sink));
             self.add_loads(state, &mut out, Some(&mut sink));

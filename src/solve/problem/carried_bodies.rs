@@ -2,11 +2,11 @@
 //!
 //! A body has the pose of its node, so it has no unknowns of its own: what a strand exerts on it acts on the node.
 
-use crate::contact::curve::CurveSet;
-use crate::contact::potential::surface::{self, SurfaceContact};
+use crate::contact::potential::surface::SurfaceContact;
 use crate::math::Vec3;
 use crate::math::signed_distance::Surface;
 use crate::scene::{Obstacle, ObstaclePose};
+use crate::solve::problem::carrier::Carrier;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -55,46 +55,17 @@ impl ContactSide {
 
     /// Whether a segment can touch an obstacle at all: it is not next to the node that carries it.
     pub(in crate::solve) fn can_touch(&self, segment: usize, surface: usize) -> bool {
-        let level = self.surfaces[surface].level;
-        self.carriers[surface].as_ref().is_none_or(|carrier| !carrier.leaves_out(segment, level))
-    }
-
-    /// Whether a segment is a candidate of contact with an obstacle: carried ones have a list of candidates, because the tangent
-    /// couples them.
-    pub(in crate::solve) fn is_candidate(&self, segment: usize, surface: usize) -> bool {
-        self.carriers[surface].is_none() || self.near_bodies.binary_search(&[segment as u32, surface as u32]).is_ok()
-    }
-
-    /// Renews the candidates of carried bodies if one of the segments within `range` of a body is none; true if so.
-    pub(in crate::solve) fn renew_near_bodies(&mut self, (range, margin): (f64, f64)) -> bool {
-        if self.carriers.iter().all(Option::is_none) {
-            return false;
-        }
-        let within =
-            |reach: f64| near_bodies(&self.set, &self.surfaces, reach, |k, surface| self.can_touch(k, surface));
-        if within(range).iter().all(|pair| self.near_bodies.binary_search(pair).is_ok()) {
-            return false;
-        }
-        self.near_bodies = within(range + margin);
-        true
+        can_touch(&self.carriers, &self.surfaces, [segment, surface])
     }
 }
 
-/// Segments and carried surfaces that may be as near as the radius of the segment and `reach` more, ascending.
-fn near_bodies(
-    set: &CurveSet,
+/// See [`ContactSide::can_touch`].
+pub(in crate::solve) fn can_touch(
+    carriers: &[Option<Carrier>],
     surfaces: &[Surface],
-    reach: f64,
-    can_touch: impl Fn(usize, usize) -> bool,
-) -> Vec<[u32; 2]> {
-    let carried: Vec<usize> = (0..surfaces.len()).filter(|k| surfaces[*k].carried).collect();
-    let is_near = |&(segment, index): &(usize, usize)| {
-        let surface = &surfaces[index];
-        surface.least_in_hull(&surface::relative(surface, set, segment)) <= set.radius_of(segment) + reach
-            && can_touch(segment, index)
-    };
-    let pairs = (0..set.len()).flat_map(|segment| carried.iter().map(move |&index| (segment, index)));
-    pairs.filter(is_near).map(|(segment, index)| [segment as u32, index as u32]).collect()
+    [segment, surface]: [usize; 2],
+) -> bool {
+    carriers[surface].as_ref().is_none_or(|carrier| !carrier.leaves_out(segment, surfaces[surface].level))
 }
 
 /// How a body moves in an increment: its point's displacement \[L\] and its rotation vector, rad.
@@ -111,6 +82,14 @@ impl BodyMotion {
         let [displacement, rotation] =
             side.carriers[surface].as_ref().map_or([Vec3::zeros(); 2], |carrier| six(carrier.node));
         Self { displacement, rotation }
+    }
+
+    /// A bound of what it adds to the motion of points within `far` of its own that move by `fast`, as they are seen from it \[L\]:
+    /// its displacement, its rotation, and what a finite turn adds.
+    pub(in crate::solve) fn fastest(&self, far: f64, fast: f64) -> f64 {
+        let (moved, turn) = (self.displacement.norm(), self.rotation.norm());
+        let fast = fast + moved;
+        moved + turn * far + turn * (0.5 * turn * (far + fast) + fast)
     }
 
     /// Linear motion of what it carries along at a place relative to its point \[L\].

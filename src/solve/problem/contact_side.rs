@@ -5,16 +5,17 @@ use crate::contact::curve::{Cubic, CurveInput, CurveSet};
 use crate::contact::exclusion::Exclusion;
 use crate::contact::law::Law;
 use crate::contact::potential::ContactPair;
-use crate::contact::potential::surface;
 use crate::contact::screened::{Repulsion, Screened};
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::math::signed_distance::Surface;
 use crate::scene::{Electrostatics, Model, Obstacle};
 use crate::solve::measures::NOTHING;
+use crate::solve::problem::carried_bodies::can_touch;
 use crate::solve::problem::carrier::Carrier;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_tangents::MaterialTangents;
+use crate::solve::problem::near_surfaces::NearSurfaces;
 use crate::solve::problem::state::State;
 
 /// Contact side of the engine; absent when the law is none.
@@ -38,10 +39,8 @@ pub(crate) struct ContactSide {
     pub(crate) surfaces: Vec<Surface>,
     /// The nodes that carry them.
     pub(crate) carriers: Vec<Option<Carrier>>,
-    /// Segments near those that nodes carry, with these, ascending.
-    pub(crate) near_bodies: Vec<[u32; 2]>,
-    /// Counts changes of these.
-    near_generation: u64,
+    /// Which segments they may touch.
+    pub(crate) near_surfaces: NearSurfaces,
     /// Screened repulsion of the strands, if it is requested.
     pub(crate) repulsion: Option<Repulsion>,
     /// Generations of the sides that this one has replaced.
@@ -115,8 +114,7 @@ impl ContactSide {
             obstacles: model.obstacles.clone(),
             surfaces: Vec::new(),
             carriers,
-            near_bodies: Vec::new(),
-            near_generation: 0,
+            near_surfaces: NearSurfaces::default(),
             repulsion,
             generations_before: 0,
             law: Law::Linear { stiffness: stiffness(dimensionless, bending, min_radius) },
@@ -131,8 +129,7 @@ impl ContactSide {
     /// Moves the surfaces of obstacles to where they are in a state.
     pub(crate) fn place_surfaces(&mut self, state: &State) {
         let placed: Vec<Surface> = (0..self.obstacles.len()).map(|index| self.surface_in(state, index)).collect();
-        let has_moved = |(now, before): (&Surface, &Surface)| now.carried && now != before;
-        self.is_current &= !placed.iter().zip(&self.surfaces).any(has_moved);
+        self.is_current &= placed == self.surfaces;
         self.surfaces = placed;
     }
 
@@ -148,19 +145,7 @@ impl ContactSide {
 
     /// Whether strands are near each other or an obstacle.
     pub(crate) fn is_near(&self) -> bool {
-        !self.broad_phase.pairs().is_empty() || self.is_near_surface()
-    }
-
-    /// Whether a segment may be as near to an obstacle as strands are that are candidates of contact.
-    fn is_near_surface(&self) -> bool {
-        let (range, margin) = self.candidate_range();
-        let is_near = |surface: &Surface, segment: usize| {
-            let reach = self.set.radius_of(segment) + range + margin;
-            surface.least_in_hull(&surface::relative(surface, &self.set, segment)) <= reach
-        };
-        let fixed = || self.surfaces.iter().filter(|surface| !surface.carried);
-        !self.near_bodies.is_empty()
-            || fixed().any(|surface| (0..self.set.len()).any(|segment| is_near(surface, segment)))
+        !self.broad_phase.pairs().is_empty() || !self.near_surfaces.pairs().is_empty()
     }
 
     /// Gap up to which pairs are candidates, and how much farther they are looked for \[L\].
@@ -191,7 +176,7 @@ impl ContactSide {
     pub(crate) fn generation(&self) -> u64 {
         self.generations_before
             + self.broad_phase.generation()
-            + self.near_generation
+            + self.near_surfaces.generation()
             + self.repulsion.as_ref().map_or(0, Repulsion::generation)
     }
 
@@ -203,15 +188,17 @@ impl ContactSide {
 
     /// Nodes that the tangent couples because a body that one of them carries is near a segment of the others.
     pub(crate) fn coupled_by_bodies(&self) -> impl Iterator<Item = (usize, usize)> {
-        self.near_bodies.iter().flat_map(|&[segment, surface]| {
-            let ([a, b, carrier], _) = self.nodes_at_surface(segment as usize, surface as usize);
-            [(a, carrier), (b, carrier)]
+        self.near_surfaces.pairs().iter().flat_map(|&[segment, surface]| {
+            let [a, b] = self.nodes[segment as usize];
+            self.carriers[surface as usize].iter().flat_map(move |carrier| [(a, carrier.node), (b, carrier.node)])
         })
     }
 
-    /// Renews the candidates of carried bodies.
-    pub(crate) fn update_bodies(&mut self, range: (f64, f64)) {
-        self.near_generation += u64::from(self.renew_near_bodies(range));
+    /// Renews the list of segments near surfaces.
+    pub(crate) fn update_near_surfaces(&mut self, range: (f64, f64)) {
+        let Self { set, surfaces, carriers, .. } = self;
+        self.near_surfaces
+            .update((set, surfaces), range, |segment, surface| can_touch(carriers, surfaces, [segment, surface]));
     }
 
     /// Offsets at both ends of a segment towards another one \[L\].

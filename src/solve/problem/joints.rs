@@ -216,6 +216,16 @@ mod tests {
             let curvature = dot(&pattern.multiply(&tangent.values, &unknowns));
             let measured = (along(h) + along(-h) - 2.0 * along(0.0)) / (h * h);
             assert!((curvature / measured - 1.0).abs() < 1e-5, "{kinds:?}: {curvature} {measured}");
+            // element by element the material part is the same
+            let mut besides = Tangent::default();
+            engine.linearise_besides_material(&state, &engine.actual_stress(&state), (&pattern, &mut besides));
+            let mut parts = pattern.multiply(&besides.values, &unknowns);
+            let material = reduction.forces(&engine.material_product(&state, &motion));
+            parts.iter_mut().zip(&material).for_each(|(part, material)| *part += material);
+            let whole = pattern.multiply(&tangent.values, &unknowns);
+            let largest = whole.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+            let apart = whole.iter().zip(&parts).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-13 * largest, "{kinds:?}: {apart} of {largest}");
             // forces on nodes do the work of those on unknowns
             let work: f64 = at.gradient.iter().zip(&motion).map(|(a, b)| a * b).sum();
             assert!((work / slope - 1.0).abs() < 1e-12, "{kinds:?}: {work} {slope}");

@@ -9,7 +9,8 @@
 //! | `assembly` | elements, loads and contact summed into gradient and tangent |
 //! | `contact_side`, `contact_field` | contact curves of the rods, the law in force; numbers per contact and node |
 //! | `contact_tangents`, `measured_tangents` | tangents of the contact curves at the nodes, and how they are measured on a state |
-//! | `carrier`, `carried_bodies` | nodes that carry rigid bodies; where these are, and what may touch them |
+//! | `carrier`, `carried_bodies` | nodes that carry rigid bodies; where these are |
+//! | `near_surfaces` | which segments may touch which obstacles |
 //! | `contact_gaps` | the smallest gap of each contact near each node |
 //! | `reduction` | from numbers of nodes to those of equations, and back |
 //! | `linearised` | tangent and factor at a state, for those above the solver |
@@ -39,6 +40,7 @@ pub(in crate::solve) mod joints;
 pub(crate) mod linearised;
 mod measured_tangents;
 pub(in crate::solve) mod moment_load;
+mod near_surfaces;
 pub(in crate::solve) mod prescribed_motion;
 pub(in crate::solve) mod problem_size;
 pub(in crate::solve) mod reduction;

@@ -154,6 +154,13 @@ pub(in crate::solve) struct SegmentMotion {
     second_order: f64,
 }
 
+impl SegmentMotion {
+    /// A bound of the motion of its points \[L\].
+    fn fastest(&self) -> f64 {
+        self.linear.iter().map(Vec3::norm_squared).fold(0.0, f64::max).sqrt() + self.second_order
+    }
+}
+
 impl ContactSide {
     fn passage_fraction(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
         let nodes = &self.nodes;

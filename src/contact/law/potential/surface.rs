@@ -23,6 +23,8 @@
 //! A plane does to a strand what the strand's mirror image would, at the distance 2(gap + ε) of its own: the law's contact
 //! distance is 2ε.
 
+use std::ops::Range;
+
 use super::Pressures;
 use super::pressure::PairLaw;
 use crate::contact::curves::curve::CurveSet;
@@ -30,7 +32,7 @@ use crate::contact::law::potential::Request;
 use crate::contact::law::potential::stiffness::PairTangent;
 use crate::contact::measures::{MAX_PARTS, POINTS_PER_PART};
 use crate::math::bernstein::{Roots, cubic_weights, derivative, roots};
-use crate::math::parallel::CHEAP;
+use crate::math::parallel::DEAR;
 use crate::math::quadrature::gauss;
 use crate::math::signed_distance::{Skeleton, Surface};
 use crate::math::{Mat3, Vec3, parallel};
@@ -40,6 +42,14 @@ pub(crate) fn relative(surface: &Surface, set: &CurveSet, segment: usize) -> [Ve
     let points = &set.segments[segment].b;
     let lost = set.remainders.get(segment).copied().unwrap_or_default();
     std::array::from_fn(|m| (points[m] - surface.point()) + (lost[m] - surface.lost))
+}
+
+/// A ball about the control points of a segment: its centre and radius \[L\]. Where strands are far from a surface it says so for less
+/// than the control points.
+pub(crate) fn ball(set: &CurveSet, segment: usize) -> (Vec3, f64) {
+    let points = &set.segments[segment].b;
+    let middle = (points[0] + points[3]) * 0.5;
+    (middle, points.iter().map(|point| (point - middle).norm_squared()).fold(0.0, f64::max).sqrt())
 }
 
 /// A point of a cubic.
@@ -96,23 +106,19 @@ pub(crate) struct SurfaceTerm {
     pub(crate) tangent: Option<Box<PairTangent>>,
 }
 
-/// Terms of all segments that touch a surface, by segments and then by surfaces, of those pairs of them that `may_touch`.
-/// `pressures.offset(segment, surface)` is the offset c at both ends of a segment towards a surface \[L\].
+/// Terms of those pairs of a segment and a surface that touch, in their order. `pressures.offset(segment, surface)` is the offset
+/// c at both ends of a segment towards a surface \[L\].
 pub(crate) fn evaluate(
     set: &CurveSet,
-    (surfaces, may_touch): (&[Surface], impl Fn(usize, usize) -> bool + Sync),
+    (surfaces, pairs): (&[Surface], &[[u32; 2]]),
     pressures: &Pressures,
     request: Request,
 ) -> Vec<SurfaceTerm> {
-    if surfaces.is_empty() {
-        return Vec::new();
-    }
-    let of_segments = parallel::map_ranges(set.len(), CHEAP, &|range| {
-        let pairs = range.flat_map(|segment| (0..surfaces.len()).map(move |surface| (segment, surface)));
-        let touching = pairs.filter(|at| may_touch(at.0, at.1));
-        touching.filter_map(|at| term(set, surfaces, at, pressures, request)).collect::<Vec<_>>()
-    });
-    of_segments.into_iter().flatten().collect()
+    let of_range = |range: Range<usize>| {
+        let pairs = pairs[range].iter().map(|pair| (pair[0] as usize, pair[1] as usize));
+        pairs.filter_map(|at| term(set, surfaces, at, pressures, request)).collect::<Vec<_>>()
+    };
+    parallel::map_ranges(pairs.len(), DEAR, &of_range).into_iter().flatten().collect()
 }
 
 /// The term of one segment and one surface; none where they do not touch.

@@ -101,7 +101,7 @@ fn add_to_contact(out: &mut Residual, nodes: &[usize], gradient: &[f64]) {
 impl Engine {
     /// Gradient and potential of contact with obstacles, tangent too if there is a sink for it.
     fn add_surfaces(&self, side: &ContactSide, request: Request, out: &mut Residual, mut sink: Option<&mut Sink>) {
-        if side.surfaces.is_empty() {
+        if side.near_surfaces.pairs().is_empty() {
             return;
         }
         let offset = |segment, surface| side.offset_to_surface(segment, surface);
@@ -111,7 +111,7 @@ impl Engine {
         };
         let before = earlier.map(|(law, _)| (*law, &offset_before as &Offsets));
         let pressures = Pressures { before, ..Pressures::of(side.law, &offset) };
-        let candidates = (&side.surfaces[..], |segment, surface| side.is_candidate(segment, surface));
+        let candidates = (&side.surfaces[..], side.near_surfaces.pairs());
         for found in surface::evaluate(&side.set, candidates, &pressures, request) {
             let (nodes, count) = side.nodes_at_surface(found.contact.segment, found.contact.surface);
             let nodes = &nodes[..count];
@@ -157,7 +157,7 @@ impl ContactSide {
         if self.is_current && self.broad_phase.is_for(range, margin) {
             return Ok(false);
         }
-        self.update_bodies((range, margin));
+        self.update_near_surfaces((range, margin));
         self.is_current = false;
         self.exclusion.update(&self.set)?;
         self.broad_phase.candidates(&self.set, &self.exclusion, range, margin).map_err(not_finite)?;

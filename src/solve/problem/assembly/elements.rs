@@ -3,7 +3,7 @@
 use super::scatter::{TermBatch, TermKind, batch_size};
 use super::{Residual, Sink};
 use crate::math::{Quat, Vec3, parallel};
-use crate::rod::element::{self, ElementOutput, ElementTangent, MAX_DOF, Strain, Stress, evaluate};
+use crate::rod::element::{self, ElementOutput, ElementProperties, ElementTangent, MAX_DOF, Strain, Stress, evaluate};
 use crate::solve::measures::AT_ONCE;
 use crate::solve::problem::engine::{Element, Engine};
 use crate::solve::problem::state::State;
@@ -57,6 +57,34 @@ impl Engine {
             });
         }
         sink.scratch.elements = results;
+    }
+
+    /// Gradient of all elements, and of their tangent the part that is due to these stresses, without Bᵀ C B.
+    pub(super) fn add_geometric_tangent(
+        &self,
+        state: &State,
+        stress: &[[Stress; 3]],
+        out: &mut Residual,
+        sink: &mut Sink,
+    ) {
+        self.add_element_gradients(state, out);
+        for (e, element) in self.elements.iter().enumerate() {
+            let body = self.body(e);
+            let body = ElementProperties { material: body.material.without_stiffness(), ..body };
+            let (nodes, reference) = (self.element_nodes(state, element), self.reference[element.rod].of(e));
+            let mut blocks = [[0.0; MAX_DOF]; MAX_DOF];
+            evaluate(&body, &nodes, &reference, Some(&stress[e]), Some(&mut blocks));
+            sink.add(self.nodes_of(element), &blocks);
+        }
+    }
+
+    /// Forces Bᵀ C B x on the nodes, six numbers each, of a motion x. Strains are differences of motions, so rounding acts as small
+    /// strains do, which balance; that of sums in a matrix acts as forces on the whole, which slender rods yield to.
+    pub(in crate::solve) fn material_product(&self, state: &State, motion: &[f64]) -> Vec<f64> {
+        // strains that stay as they are, in place of the linear change
+        let (_, mut forces) = self.elastic_second_order(state, state, motion);
+        forces.iter_mut().for_each(|force| *force = -*force);
+        forces
     }
 
     /// Nodes of an element among all.

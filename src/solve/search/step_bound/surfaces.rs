@@ -17,7 +17,7 @@
 //! part of θ across the body's axis, because turns about the axis move no surface; none of a sphere's does.
 
 use super::{Keep, SegmentMotion};
-use crate::contact::potential::surface::{nearest_in, point_of, relative};
+use crate::contact::potential::surface::{ball, nearest_in, point_of, relative};
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, derivative, eval, roots};
 use crate::math::signed_distance::{Skeleton, Surface};
@@ -33,12 +33,25 @@ const MAX_PARTS: f64 = 64.0;
 /// Largest t ≤ 1 for which no point of a strand comes nearer to an obstacle than is to be kept. Strands that are beyond one
 /// already are pushed back, and may move.
 pub(super) fn fraction(side: &ContactSide, increment: &[f64], motions: &[SegmentMotion], keep: Keep) -> f64 {
-    let of_surface = |t: f64, index: usize| {
-        let body = BodyMotion::of(side, index, increment);
-        let touching = (0..side.set.len()).filter(|segment| side.can_touch(*segment, index));
-        touching.fold(t, |t, k| of_segment((side, k), (&side.surfaces[index], &body), &motions[k], keep, t))
-    };
-    (0..side.surfaces.len()).fold(1.0, of_surface)
+    if side.surfaces.is_empty() {
+        return 1.0;
+    }
+    let bodies: Vec<BodyMotion> =
+        (0..side.surfaces.len()).map(|index| BodyMotion::of(side, index, increment)).collect();
+    let mut t = 1.0;
+    for (segment, motion) in motions.iter().enumerate() {
+        let (middle, size) = ball(&side.set, segment);
+        let kept = keep.distance * side.set.radius_of(segment);
+        let fastest = motion.fastest();
+        for (index, (surface, body)) in side.surfaces.iter().zip(&bodies).enumerate() {
+            let from_point = middle - surface.point();
+            let fastest = fastest + body.fastest(from_point.norm() + size, fastest);
+            if surface.distance(&from_point) - size - t * fastest < kept && side.can_touch(segment, index) {
+                t = of_segment((side, segment), (surface, body), motion, keep, t);
+            }
+        }
+    }
+    t
 }
 
 /// The motion of a segment at these places from a body's point, relative to the body.
@@ -71,7 +84,7 @@ fn of_segment(
     let r = relative(surface, &side.set, segment);
     let radius = side.set.radius_of(segment);
     let motion = &relative_to_body(motion, (surface, body), &r);
-    let fastest = motion.linear.iter().map(Vec3::norm).fold(0.0, f64::max) + motion.second_order;
+    let fastest = motion.fastest();
     // enough where strands are far
     if surface.least_in_hull(&r) - t * fastest >= keep.distance * radius {
         return t;
