@@ -1,4 +1,4 @@
-//! What obstacles cost: Newton iterations of a rod of 10⁵ segments with ten of them, and without. The pass over all segments is
+//! What obstacles cost: Newton iterations of a hundred rods, 10⁵ segments, with ten of them, and without. The pass over all segments is
 //! linear; it should take no more than a twentieth of an iteration.
 //!
 //! ```text
@@ -6,16 +6,16 @@
 //! cargo bench --bench obstacles -- --segments 10000
 //! ```
 //!
-//! A straight rod lies on spheres and cylinders that it overlaps a little where they are. Which nodes are pushed is verified
-//! against brute force over points of all segments. Then the obstacles are ten radii below it, so that they cost their detection
-//! only. A load along the rod gives the searches something to do. Times are those of the processor with one thread, the least of
+//! Straight rods lie side by side on spheres and cylinders that they overlap a little where they are. Which nodes are pushed is verified
+//! against brute force over points of all segments. Then the obstacles are ten radii below them, so that they cost their detection
+//! only. A load upwards gives the searches something to do. Times are those of the processor with one thread, the least of
 //! some runs.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
 use supercoil::math::Vec3;
 use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
-use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Obstacle, Side, Support};
+use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Obstacle, Ramp, Side, Support};
 use supercoil::solve::{NewtonOptions, Options, Solver};
 
 /// Iterations that are timed.
@@ -23,6 +23,10 @@ const ITERATIONS: usize = 4;
 /// Runs of which the least time counts, because other work on the machine only adds.
 const RUNS: usize = 3;
 const OBSTACLES: usize = 10;
+/// Segments of a rod: of a single one of 10⁵ segments bending would be below the rounding of stretch.
+const OF_A_ROD: usize = 999;
+/// Distance of neighbouring rods, in which they do not touch.
+const BESIDE: f64 = 4.0;
 const RADIUS: f64 = 1.0;
 /// Radius of the obstacles.
 const SIZE: f64 = 30.0;
@@ -33,33 +37,48 @@ const APART: f64 = -10.0;
 /// Points of a segment that brute force looks at.
 const POINTS: usize = 64;
 
-/// Ten obstacles along a rod on the x axis, spheres and cylinders in turn.
-fn obstacles(length: f64, overlap: f64) -> Vec<Obstacle> {
+/// Length of a rod.
+const LENGTH: f64 = RADIUS * OF_A_ROD as f64;
+
+/// The middle of an obstacle: ten along the first rod.
+fn middle(k: usize, overlap: f64) -> Vec3 {
+    Vec3::new(LENGTH * (k as f64 + 0.5) / OBSTACLES as f64, 0.0, -(SIZE + RADIUS - overlap))
+}
+
+/// Along the cylinders, which pass under all rods.
+fn axis() -> Vec3 {
+    Vec3::new(0.2, 1.0, 0.0)
+}
+
+/// Spheres and cylinders in turn.
+fn obstacles(overlap: f64) -> Vec<Obstacle> {
     let made = |k: usize| {
-        let x = length * (k as f64 + 0.5) / OBSTACLES as f64;
-        let below = Vec3::new(x, 0.0, -(SIZE + RADIUS - overlap));
         let (name, size) = (format!("obstacle{k}"), (SIZE, Side::Outside));
         if k.is_multiple_of(2) {
-            Obstacle::sphere(name, below, size)
+            Obstacle::sphere(name, middle(k, overlap), size)
         } else {
-            Obstacle::cylinder(name, [below, Vec3::new(0.2, 1.0, 0.0)], size)
+            Obstacle::cylinder(name, [middle(k, overlap), axis()], size)
         }
     };
     (0..OBSTACLES).map(made).collect()
 }
 
 fn solver(segments: usize, overlap: Option<f64>) -> Solver {
-    let elements = segments / 3;
-    let length = RADIUS * (3 * elements) as f64;
     let section = Section::isotropic(1.0, 1.0, 10.0, 10.0, RADIUS);
-    let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length };
-    let rod = Rod::new("rod", &line, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
-    let obstacles = overlap.map_or_else(Vec::new, |overlap| obstacles(length, overlap));
+    let rod = |k: usize| {
+        let start = Vec3::y() * (BESIDE * RADIUS * k as f64);
+        let line = Shape::Line { start, direction: Vec3::x(), length: LENGTH };
+        Rod::new(&format!("rod{k}"), &line, RodMesh::open(OF_A_ROD / 3, 3), section, Natural::Straight).unwrap()
+    };
+    let rods: Vec<Rod> = (0..segments.div_ceil(OF_A_ROD)).map(rod).collect();
     let law = ContactLaw::Penalty { stiffness: 10.0 };
-    let ends = [0, rod.num_nodes() - 1];
-    let mut model = Model { rods: vec![rod], obstacles, contact: Contact { law }, ..Model::default() };
-    model.line_loads.push(LineLoad { rod: 0, force: Vec3::x() * 1e-6, moment: Vec3::zeros() });
-    model.supports.extend(ends.map(|node| Support::clamp(NodeRef { rod: 0, node })));
+    let mut model = Model { contact: Contact { law }, ..Model::default() };
+    model.obstacles = overlap.map_or_else(Vec::new, obstacles);
+    for rod in 0..rods.len() {
+        model.line_loads.push(LineLoad::of_force(rod, Vec3::z() * 1e-8));
+        model.supports.extend([0, OF_A_ROD].map(|node| Support::clamp(NodeRef { rod, node })));
+    }
+    model.rods = rods;
     let newton = NewtonOptions { max_iterations: ITERATIONS, ..NewtonOptions::default() };
     Solver::new(model, Options { newton, threads: Some(1), ..Options::default() }).unwrap()
 }
@@ -72,37 +91,34 @@ fn processor_time() -> f64 {
     0.01 * (ticks(11) + ticks(12))
 }
 
-/// Nodes that are pushed are the ends of the segments that brute force finds to overlap an obstacle.
+/// Nodes that are pushed are the ends of the segments that brute force finds to overlap an obstacle; how many there are.
 fn verify(solver: &mut Solver) -> usize {
-    // contact is looked for where a state is given
-    solver.set_state(solver.engine().state().clone()).unwrap();
+    // looks for candidates
+    solver.problem_size().unwrap();
     let engine = solver.engine();
-    let points = engine.centerline(0, POINTS).0;
-    let nodes = engine.state().positions.len();
-    let length = engine.model().rods[0].length;
+    let along = axis().normalize();
     let overlap = |x: &Vec3| {
-        let below = |k: usize| length * (k as f64 + 0.5) / OBSTACLES as f64;
         let depth = |k: usize| {
-            let r = x - Vec3::new(below(k), 0.0, -(SIZE + RADIUS - OVERLAP));
-            let axis = Vec3::new(0.2, 1.0, 0.0).normalize();
-            let distance = if k.is_multiple_of(2) { r.norm() } else { r.cross(&axis).norm() };
-            SIZE + RADIUS - distance
+            let r = x - middle(k, OVERLAP);
+            SIZE + RADIUS - if k.is_multiple_of(2) { r.norm() } else { r.cross(&along).norm() }
         };
         (0..OBSTACLES).map(depth).fold(f64::NEG_INFINITY, f64::max)
     };
-    let deepest: Vec<f64> = (0..nodes - 1)
-        .map(|k| points[k * POINTS..=(k + 1) * POINTS].iter().map(overlap).fold(f64::NEG_INFINITY, f64::max))
-        .collect();
-    let forces = engine.nodal_fields(0).contact_force;
     let mut pushed = 0;
-    for (node, force) in forces.iter().enumerate() {
-        let beside = deepest[node.saturating_sub(1)..(node + 1).min(deepest.len())].iter();
-        let depth = beside.fold(f64::NEG_INFINITY, |most, depth| most.max(*depth));
-        // between the points of brute force it may be deeper by the square of their distance
-        if depth.abs() > 1e-5 {
-            assert_eq!(force.norm() > 0.0, depth > 0.0, "node {node}: {depth}, {force:?}");
+    for (rod, fields) in engine.all_nodal_fields().iter().enumerate() {
+        let points = engine.centerline(rod, POINTS).0;
+        let deepest: Vec<f64> = (0..OF_A_ROD)
+            .map(|k| points[k * POINTS..=(k + 1) * POINTS].iter().map(overlap).fold(f64::NEG_INFINITY, f64::max))
+            .collect();
+        for (node, force) in fields.contact_force.iter().enumerate() {
+            let beside = deepest[node.saturating_sub(1)..(node + 1).min(deepest.len())].iter();
+            let depth = beside.fold(f64::NEG_INFINITY, |most, depth| most.max(*depth));
+            // between the points of brute force it may be deeper by the square of their distance
+            if depth.abs() > 1e-5 {
+                assert_eq!(force.norm() > 0.0, depth > 0.0, "node {node} of rod {rod}: {depth}, {force:?}");
+            }
+            pushed += usize::from(force.norm() > 0.0);
         }
-        pushed += usize::from(force.norm() > 0.0);
     }
     pushed
 }
@@ -111,7 +127,7 @@ fn verify(solver: &mut Solver) -> usize {
 fn iteration(segments: usize, overlap: Option<f64>) -> f64 {
     let mut solver = solver(segments, overlap);
     let before = processor_time();
-    let report = solver.step_to(&[]).unwrap();
+    let report = solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap();
     (processor_time() - before) / report.iterations as f64
 }
 

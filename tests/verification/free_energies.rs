@@ -11,7 +11,8 @@
 //!
 //!   On a mesh the short waves of its spacing do not feel what couples their planes, so that logarithms of ratios
 //!   converge as the node spacing: they are extrapolated from two meshes.
-//! * J-factors: of a held straight rod by its compliance, of rings by the formula at the test.
+//! * J-factors: of a held straight rod by its compliance, of DNA with a protein by the stiffness of its end, of rings by the formula at
+//!   the test.
 //! * Derivatives: of energies by link 2π × the moment at the seam, by a radius the contact force; central differences
 //!   of whole runs; reciprocity of reactions.
 
@@ -19,10 +20,11 @@ use crate::common;
 
 use common::{any_equilibrium, end_of, verify};
 use std::f64::consts::{PI, TAU};
+use std::path::Path;
 use supercoil::math::{Quat, Vec3};
-use supercoil::nalgebra::Complex;
+use supercoil::nalgebra::{Complex, Matrix6};
 use supercoil::rod::{Natural, Rod, RodMesh, RodNumber, Section, Shape};
-use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Obstacle, Ramp, Support};
+use supercoil::scene::{Contact, ContactLaw, Model, NodeLoad, NodeRef, Obstacle, Ramp, Scene, Support};
 use supercoil::solve::{Options, Solver, Status};
 use supercoil::tangent::{ContactResponse, EquilibriumTangent, Harmonic, Observable, PrescribedNumber};
 
@@ -408,6 +410,49 @@ fn j_factors() {
         let exact = 4.0_f64.ln() + 3.5 * TAU.ln() + 3.0 * b.ln() + 0.5 * c.ln() - energy - p.ln();
         verify(&format!("ring, x = {x}"), "ln J L³", found, exact, 2e-2);
     }
+}
+
+/// The J-factor of a piece of DNA with a protein on it whose end is where it is without stress: 8π²√det(K)/(2πkT)³, K the reactions of
+/// the held end by its six motions. Two determinants of all unknowns beside one of six, found by derivatives.
+#[test]
+fn j_factor_of_a_sequence_with_a_protein() {
+    const KT: f64 = 4.1;
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("j_factor_protein");
+    std::fs::create_dir_all(&folder).unwrap();
+    let table =
+        "hold,from,to,tilt,roll,twist,shift,slide,rise\nsteps,8,12,0,9,31,0,0.2,3.3\nfrozen,14,16,0,0,0,0,0,0\n";
+    std::fs::write(folder.join("protein.csv"), table).unwrap();
+    let text = r#"
+        [[rods]]
+        shape = { kind = "line", length = 6.8 }
+        sequence = { letters = "ATCGATATATATGGATATATA", steps = "ideal", proteins = "protein.csv" }
+        section = { contact_radius = 0.0 }
+        [[supports]]
+        at = "start"
+        position = true
+        rotation = true
+    "#;
+    let model = Scene::from_toml(text, &folder).unwrap().model;
+    let end = end_of(&model.rods[0]);
+    let mut open = Solver::new(model.clone(), Options::default()).unwrap();
+    reach(&mut open, &[]);
+    let mut held = model;
+    held.supports.push(Support::clamp(end));
+    let mut closed = Solver::new(held, Options::default()).unwrap();
+    closed.set_state(open.engine().state().clone()).unwrap();
+    reach(&mut closed, &[]);
+    let mut tangent = EquilibriumTangent::at(&mut closed, ContactResponse::ByLaw).unwrap();
+    let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+    let moved = axes.map(|direction| PrescribedNumber::Displacement { node: end, direction });
+    let turned = axes.map(|axis| PrescribedNumber::Rotation { node: end, axis });
+    let motions = [moved, turned].concat();
+    let mut row =
+        |component: usize| tangent.gradient(&Observable::Reaction { node: end, component }, &motions).unwrap();
+    let rows: Vec<Vec<f64>> = (0..6).map(&mut row).collect();
+    let stiffness = Matrix6::from_fn(|i, k| if k < 3 { rows[i][k] } else { rows[i][k] / TAU });
+    let exact = 8.0 * PI * PI * stiffness.determinant().sqrt() / (TAU * KT).powi(3);
+    let found = tangent.harmonic().j_factor(&harmonic(&mut open, ContactResponse::ByLaw), KT).unwrap();
+    verify("21 base pairs with a protein", "J", found, exact, 1e-7 * exact);
 }
 
 /// Reactions by displacements are a symmetric matrix (Maxwell & Betti), with contact.
