@@ -1,7 +1,7 @@
 //! Writes the page with the solver in it, or the numbers that the page must find.
 //!
 //! `supercoil-live page MODULE.wasm PAGE.html` writes one file that needs nothing else and no network;
-//! `supercoil-live numbers EXCESS_LINK` tells the numbers of the ring at that link, and those of a contact search, as JSON.
+//! `supercoil-live numbers EXCESS_LINK` prints the numbers of the ring at that link, and those of a contact search, as JSON.
 #![allow(clippy::print_stdout)] // a program talks to its reader
 
 use std::error::Error;

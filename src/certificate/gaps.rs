@@ -41,7 +41,7 @@ const POINTS: usize = 8;
 const TOL_PLACE: f64 = 1e-6;
 /// Part of an interval that golden sections leave.
 const GOLDEN: f64 = 0.618_033_988_749_895;
-/// Overlap, in radii of the thinnest rod, that no mesh explains: drafts have .02.
+/// Overlap, in radii of the thinnest rod, that no mesh explains: drafts have 0.02.
 const MOST_BESIDE: f64 = 0.05;
 
 /// The smallest gap between strands.

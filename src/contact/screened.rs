@@ -10,7 +10,7 @@
 //! sum itself.
 //!
 //! **Range.** S falls from 1 to 0, twice differentiable, between 9 and [`RANGE`] = 10 Debye lengths. This cut-off
-//! removes .2 % of the energy of two parallel strands five Debye lengths apart, 7e-5 at two Debye lengths, and a
+//! removes 0.2 % of the energy of two parallel strands five Debye lengths apart, 7e-5 at two Debye lengths, and a
 //! fraction exp(d/λ − 9) at a crossing at a distance d.
 //!
 //! **Neighbours along the strand.** The contact law excludes points with less than a right angle of turning between

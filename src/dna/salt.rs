@@ -11,7 +11,7 @@ const PER_MOLAR: f64 = 0.602_214_076;
 /// Euler's constant.
 const EULER: f64 = 0.577_215_664_901_532_9;
 
-/// Debye length λ = (8π ℓ_B c)^(−½), nm, of a monovalent salt of concentration c in mol/l: .304 nm at 1 mol/l.
+/// Debye length λ = (8π ℓ_B c)^(−½), nm, of a monovalent salt of concentration c in mol/l: 0.304 nm at 1 mol/l.
 ///
 /// # Errors
 /// A concentration that is not positive.
@@ -42,7 +42,7 @@ impl Charge {
     /// Charges per length of the line, 1/nm, at a concentration in mol/l.
     ///
     /// # Errors
-    /// Concentrations outside .01 to 1 mol/l.
+    /// Concentrations outside 0.01 to 1 mol/l.
     pub fn per_nm(self, salt: f64) -> Result<f64, InputError> {
         let diameter = contact_diameter_nm(salt)?;
         let debye = debye_length_nm(salt)?;
@@ -68,7 +68,7 @@ impl Charge {
 }
 
 /// The modified Bessel function K₁(x) = ∫ exp(−x cosh t) cosh t dt from 0: the trapezoidal rule is exact to rounding
-/// for x of .01 to 100.
+/// for x of 0.01 to 100.
 fn bessel_k1(x: f64) -> f64 {
     const STEP: f64 = 0.05;
     let at = |k: usize| (STEP * k as f64).cosh();

@@ -80,8 +80,8 @@ enum StepList {
 }
 
 impl Steps {
-    /// "IdealDNA", the same for all sequences: straight and isotropic; twist 34.2857°, rise 3.4 Å, .0427 kT/deg² for
-    /// tilt and roll, .0597 kT/deg² for twist, 20 kT/Å² for all translations (the values of emDNA, github.com/nicocvn/emDNA).
+    /// "IdealDNA", the same for all sequences: straight and isotropic; twist 34.2857°, rise 3.4 Å, 0.0427 kT/deg² for
+    /// tilt and roll, 0.0597 kT/deg² for twist, 20 kT/Å² for all translations (the values of emDNA, github.com/nicocvn/emDNA).
     #[must_use]
     pub fn ideal() -> Self {
         let constants = [0.0427, 0.0427, 0.0597, 20.0, 20.0, 20.0];

@@ -536,7 +536,7 @@ pub(super) mod tests {
         assert_eq!(columns.cells(&second)[turned], Cell::Number(-2.0));
     }
 
-    /// An only open rod has its link, writhe and twist where closed rods have theirs; a snap tells its energy with the unit.
+    /// An only open rod has its link, writhe and twist where closed rods have theirs; a snap reports its energy with the unit.
     #[test]
     fn open_rods_and_snaps_are_told() {
         let rod = RodEnds {

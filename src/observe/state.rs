@@ -186,7 +186,7 @@ fn certificate(
 }
 
 /// The number of directions in which the energy falls, counted under the law requested or, where the mesh does not carry it, the
-/// softer one that a note tells of.
+/// softer one that a note names.
 fn stability(progress: &Progress) -> Option<Check> {
     progress.given.filter(|given| given.only_stable)?;
     let count = progress.report.num_unstable as f64;

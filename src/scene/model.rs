@@ -192,7 +192,7 @@ const MOST_BY_MESH: f64 = 1e4;
 impl ContactLaw {
     /// The largest dimensionless stiffness κ ε⁴/B that a mesh of these rods resolves along lines of contact: the
     /// spacing of nodes is two contact layers (B/κ)^¼, one on rods of more than 30 000 nodes, on the rod with the most
-    /// layers. Clamped to `least` and 10⁴ (or `least`, if larger); 100 for a spacing of .63 contact radii. With a stiffer
+    /// layers. Clamped to `least` and 10⁴ (or `least`, if larger); 100 for a spacing of 0.63 contact radii. With a stiffer
     /// law pressure concentrates between nodes and a line breaks up into points; with a softer law points of contact a few
     /// radii apart merge (`docs/ACCURACY.md`). `least` if no rod takes part in contact.
     pub fn stiffness_by_mesh(rods: &[Rod], least: f64) -> f64 {
@@ -243,7 +243,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// Default of the least dimensionless contact stiffness κ ε⁴/B: the contact layer (B/κ)^¼ is .56 contact radii.
+    /// Default of the least dimensionless contact stiffness κ ε⁴/B: the contact layer (B/κ)^¼ is 0.56 contact radii.
     pub const DEFAULT_LEAST_STIFFNESS: f64 = 10.0;
     /// Default penetration tolerance relative to the contact radius.
     pub const DEFAULT_TOL_PENETRATION: f64 = 1e-8;

@@ -5,7 +5,7 @@
 /// the last place: a sum over the elements of a mesh is known no better.
 pub(in crate::solve) const ROUNDING: f64 = 1e-11;
 /// Units in the last place that are the rounding of a strain, because it is the sum of that many products of shape
-/// functions. Of the potential, too: potentials of states 10⁻¹³ apart scatter by 2 units of its parts, or by .3 of the
+/// functions. Of the potential, too: potentials of states 10⁻¹³ apart scatter by 2 units of its parts, or by 0.3 of the
 /// work of all forces over a node spacing (standard deviations, fifteen scenes at most).
 pub(in crate::solve) const LAST_PLACES: f64 = 10.0;
 /// Part of a usual quantity that counts as nothing, because it is far above the rounding of single numbers and far

@@ -1,4 +1,4 @@
-//! Markdown files: links, numbers and words. `docs/STYLE.md` has the rules.
+//! Markdown files and doc comments: links, numbers and words. `docs/STYLE.md` has the rules.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -15,8 +15,8 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Markdown files below a folder, as paths from the root with their text.
-fn pages() -> Vec<(String, String)> {
+/// Files below the root with an ending, as paths from the root with their text.
+fn files(ending: &str) -> Vec<(String, String)> {
     let mut found = Vec::new();
     let mut folders = vec![root().to_path_buf()];
     while let Some(folder) = folders.pop() {
@@ -26,7 +26,7 @@ fn pages() -> Vec<(String, String)> {
             // folders of packages and results are no documents
             if path.is_dir() && visible && !["target", "out", "node_modules"].contains(&&*name) {
                 folders.push(path);
-            } else if name.ends_with(".md") {
+            } else if name.ends_with(ending) {
                 let page = path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
                 found.push((page, std::fs::read_to_string(path).unwrap()));
             }
@@ -34,6 +34,22 @@ fn pages() -> Vec<(String, String)> {
     }
     found.sort();
     found
+}
+
+/// Markdown files.
+fn pages() -> Vec<(String, String)> {
+    files(".md")
+}
+
+/// Doc comments of the sources, on their lines; all others are empty.
+fn doc_comments() -> Vec<(String, String)> {
+    let comment = |line: &str| {
+        let line = line.trim_start();
+        line.strip_prefix("///").or_else(|| line.strip_prefix("//!")).unwrap_or_default().to_owned()
+    };
+    let is_source = |(page, _): &(String, String)| page.starts_with("src/") || page.contains("/src/");
+    let of_file = |(page, text): (String, String)| (page, text.lines().map(comment).collect::<Vec<_>>().join("\n"));
+    files(".rs").into_iter().filter(is_source).map(of_file).collect()
 }
 
 /// Lines outside code blocks, with their numbers.
@@ -145,8 +161,8 @@ fn has_word(line: &str, word: &str) -> bool {
         .any(|(at, _)| is_edge(line[..at].chars().next_back()) && is_edge(line[at + word.len()..].chars().next()))
 }
 
-/// `page:line: …` of each line that a rule refuses.
-fn refused(rule: impl Fn(&str, &str) -> Vec<String>) -> Vec<String> {
+/// `page:line: …` of each line of some pages that a rule refuses.
+fn refused(pages: &[(String, String)], rule: impl Fn(&str, &str) -> Vec<String>) -> Vec<String> {
     let of_page = |(page, text): &(String, String)| -> Vec<String> {
         let lines = prose(text);
         lines
@@ -154,13 +170,13 @@ fn refused(rule: impl Fn(&str, &str) -> Vec<String>) -> Vec<String> {
             .flat_map(|(n, line)| rule(page, line).into_iter().map(move |what| format!("{page}:{n}: {what}")))
             .collect()
     };
-    pages().iter().flat_map(of_page).collect()
+    pages.iter().flat_map(of_page).collect()
 }
 
 #[test]
 fn links_lead_somewhere() {
     assert!(pages().len() > 30, "{}", pages().len());
-    let dead = refused(|page, line| {
+    let dead = refused(&pages(), |page, line| {
         let links = links(line).into_iter().filter(|link| is_dead(page, link));
         links.chain(dead_include(page, line)).map(str::to_owned).collect()
     });
@@ -176,8 +192,15 @@ fn links_lead_somewhere() {
 }
 
 #[test]
+fn comments_are_found() {
+    let comments = doc_comments();
+    let lines = comments.iter().flat_map(|(_, text)| text.lines()).filter(|line| !line.is_empty()).count();
+    assert!(comments.len() > 250 && lines > 5000, "{} {lines}", comments.len());
+}
+
+#[test]
 fn numbers_have_a_leading_zero() {
-    let found = refused(|page, line| {
+    let found = refused(&[pages(), doc_comments()].concat(), |page, line| {
         let is_found = !GENERATED.contains(&page) && lacks_zero(line);
         is_found.then(|| line.to_owned()).into_iter().collect()
     });
@@ -191,7 +214,7 @@ fn words_are_the_fields() {
     let banned = banned();
     assert!(banned.len() > 8, "{banned:?}");
     let is_free = |page: &str| GENERATED.contains(&page) || FREE.iter().any(|free| page.starts_with(free));
-    let found = refused(|page, line| {
+    let found = refused(&[pages(), doc_comments()].concat(), |page, line| {
         let words = banned.iter().filter(|word| !is_free(page) && has_word(line, word));
         words.map(|word| format!("{word}: {line}")).collect()
     });

@@ -19,7 +19,7 @@ pub enum Law {
     },
     /// p = p₀ x²/(1 − x), x = ⟨e⟩/depth; infinite energy from depth on.
     Core {
-        /// p₀ \[F/L\]: the pressure at x = .618.
+        /// p₀ \[F/L\]: the pressure at x = 0.618.
         pressure: f64,
         /// Depth over the contact distance (sum of both radii).
         depth: f64,

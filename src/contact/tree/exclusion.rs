@@ -9,7 +9,7 @@
 //! **Bilateral (π).** If the chord between two points is orthogonal to the curve at both, arc and chord form a closed
 //! curve with two corners of π/2; Fenchel's theorem gives total curvature ≥ 2π, so the arc turns by at least π.
 //!
-//! **Joints.** Strands of two curves that are joined overlap there at any angle, and no turning tells how far. Pairs of
+//! **Joints.** Strands of two curves that are joined overlap there at any angle, and no turning says how far. Pairs of
 //! their segments near the joint are given ([`Exclusion::leave_out`]).
 //!
 //! Of one curve neither element indices nor arc lengths enter: a tight loop of few elements is detected, a long straight part is
@@ -302,7 +302,7 @@ fn turning(curve: &Strand, k: usize) -> (f64, f64) {
 }
 
 /// Upper bound of the angle between two vectors without inverse functions: with x the distance of the unit vectors, θ =
-/// 2 asin(x/2) ≤ x (1 + .0554 x²) up to π/2. The bound is .1 % above θ at π/2 and 4e-8 above it at 0.
+/// 2 asin(x/2) ≤ x (1 + 0.0554 x²) up to π/2. The bound is 0.1 % above θ at π/2 and 4e-8 above it at 0.
 fn angle_bound(a: &Vec3, b: &Vec3) -> f64 {
     let (dot, size_sq) = (a.dot(b), a.norm_squared() * b.norm_squared());
     if !(dot > 0.0 && USUAL.contains(&size_sq)) {

@@ -30,7 +30,7 @@
 //! functional of Meier et al.; that holds wherever the curvature of the master is less than 1 over the reach. The sum
 //! is C¹ in x: where a nearest and a farthest point meet, their distances and normals do too, and corners of the master
 //! take over from its segments likewise (of a closed curve in the ball it is continuous where two points are farthest).
-//! On the bisector of an acute notch a point is pushed out unless it overlaps by more than .85 of the reach; deeper, it
+//! On the bisector of an acute notch a point is pushed out unless it overlaps by more than 0.85 of the reach; deeper, it
 //! sees one strand.
 //!
 //! Pairs with ∂f/∂v < 0 throughout, shown by a bound of the control points, have one branch; the others are cut into

@@ -318,7 +318,7 @@ fn of_rod(model: &Model, rod: usize, name: &str) -> String {
     }
 }
 
-/// A number without the rounding of the steps that led to it: the third step of 0.1 is at 0.3, not at .30000000000000004.
+/// A number without the rounding of the steps that led to it: the third step of 0.1 is at 0.3, not at 0.30000000000000004.
 fn rounded(value: f64) -> f64 {
     format!("{value:.12e}").parse().unwrap_or(value)
 }

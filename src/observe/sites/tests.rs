@@ -197,7 +197,7 @@ fn rippled(crests: usize, turned: bool, swapped: bool) -> CurveSet {
     CurveSet::from_polylines(&if swapped { [curves[1], curves[0]] } else { curves }).unwrap()
 }
 
-/// Sites where the elements have this length; a layer of width .01.
+/// Sites where the elements have this length; a layer of width 0.01.
 fn sites_of_elements(set: &CurveSet, length: f64) -> (Vec<SiteReport>, Vec<crate::observe::report::LineSample>) {
     let law = Law::Linear { stiffness: 1e8 };
     let terms = contact_pairs(evaluate(set, &all_pairs(set), law, &|_, _| [0.0; 2], Want::Gradient));

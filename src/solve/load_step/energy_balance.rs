@@ -40,8 +40,8 @@ use crate::solve::problem::state::State;
 /// square, 1e-6, and rounding is divided by no less.
 const DIFFERENCE: f64 = 1e-3;
 
-/// Part of the energy set free by which the balance of a step's own forces is open at least, because it is .11 where a
-/// ring of DNA unfolds and .46 where it supercoils, and .03 in the step after a loop has buckled.
+/// Part of the energy set free by which the balance of a step's own forces is open at least, because it is 0.11 where a
+/// ring of DNA unfolds and 0.46 where it supercoils, and 0.03 in the step after a loop has buckled.
 const CLOSED: f64 = 0.05;
 
 /// Part of its work by which a step ends below its branch at least if it is reported as a snap, because steps that bend
@@ -49,7 +49,7 @@ const CLOSED: f64 = 0.05;
 const SNAP: f64 = 0.1;
 /// Part of its work by which the energy of a step may miss that of its branch before the step is made again in halves,
 /// because a doubt costs iterations only: a tenth of what is reported as a snap. A ring that lost one of two contacts
-/// missed it by .096.
+/// missed it by 0.096.
 const DOUBTFUL: f64 = 0.01;
 
 /// Changes that a step prescribes.

@@ -145,7 +145,7 @@ impl Solver {
         Some(Fidelity::Draft.elements(body.length, turns, body.section.contact_radius))
     }
 
-    /// Whether every `factor`-th node of a rod is as many as `needed` cubic elements have, and tells how frames turn.
+    /// Whether every `factor`-th node of a rod is as many as `needed` cubic elements have, and says how frames turn.
     fn is_fine_enough(&self, rod: usize, factor: usize, needed: usize) -> bool {
         let engine = &self.engine;
         let body = &engine.model.rods[rod];
@@ -187,7 +187,7 @@ mod tests {
     use crate::solve::load_step::guess::Ahead;
     use crate::solve::load_step::step_report::Origin;
 
-    /// A flat ring of 64 elements, D/L = .02.
+    /// A flat ring of 64 elements, D/L = 0.02.
     fn ring(supports: Vec<Support>) -> Solver {
         let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.01);
         let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };

@@ -3,7 +3,7 @@
 //! The rods hardly notice the change of a law, so a point of contact keeps its force F ∝ κδ^{3/2}, δ the penetration,
 //! while its strands move apart by some d and its zone narrows. If each place is linearised about the overlap that
 //! gives its *own* pressure, as [`Pressures`](crate::contact::potential::Pressures) does for all laws, the first step
-//! closes .6 of δ when κ rises tenfold, and the force of the point is two and a half times too large, so that the
+//! closes 0.6 of δ when κ rises tenfold, and the force of the point is two and a half times too large, so that the
 //! tangent may be indefinite. Here d follows from the force of the point, and the new law is linearised about strands
 //! moved apart by d. Lines of contact keep their pressure, F ∝ κδ, so there each place keeps its own.
 

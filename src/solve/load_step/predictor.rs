@@ -436,7 +436,7 @@ mod tests {
         assert!(missed(&engine, is_spun) < 1e-12);
     }
 
-    /// A helix that is wound up by .6 rad a step at its end keeps its radius to 3 % of what it loses where nodes go on
+    /// A helix that is wound up by 0.6 rad a step at its end keeps its radius to 3 % of what it loses where nodes go on
     /// along parabolas.
     #[test]
     fn helices_are_wound_on_arcs() {

@@ -89,7 +89,7 @@ mod tests {
     use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::Model;
 
-    /// Sections that lean by .4 rad from the tangent of a helix of radius 1 and pitch 2π, and turn about their normal 9
+    /// Sections that lean by 0.4 rad from the tangent of a helix of radius 1 and pitch 2π, and turn about their normal 9
     /// rad a turn against it: its centreline has curvature ½ all the same, and the sections bend by another amount.
     #[test]
     fn a_sheared_rod_has_the_curvature_of_its_centreline() {

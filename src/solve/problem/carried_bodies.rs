@@ -6,7 +6,6 @@ use crate::contact::potential::surface::SurfaceContact;
 use crate::math::Vec3;
 use crate::math::signed_distance::Surface;
 use crate::scene::{Obstacle, ObstaclePose};
-use crate::solve::problem::carrier::Carrier;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -52,20 +51,6 @@ impl ContactSide {
             Some(carrier) => ([a, b, carrier.node], 3),
         }
     }
-
-    /// Whether a segment can touch an obstacle at all: it is not next to the node that carries it.
-    pub(in crate::solve) fn can_touch(&self, segment: usize, surface: usize) -> bool {
-        can_touch(&self.carriers, &self.surfaces, [segment, surface])
-    }
-}
-
-/// See [`ContactSide::can_touch`].
-pub(in crate::solve) fn can_touch(
-    carriers: &[Option<Carrier>],
-    surfaces: &[Surface],
-    [segment, surface]: [usize; 2],
-) -> bool {
-    carriers[surface].as_ref().is_none_or(|carrier| !carrier.leaves_out(segment, surfaces[surface].level))
 }
 
 /// How a body moves in an increment: its point's displacement \[L\] and its rotation vector, rad.

@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use crate::math::Quat;
+use crate::math::signed_distance::Surface;
 use crate::scene::model::overlaps;
 use crate::scene::{Model, NodeRef, Obstacle};
 use crate::solve::problem::state::State;
@@ -81,4 +82,13 @@ fn own_place(model: &Model, at: NodeRef, touching: &[usize]) -> Option<OwnPlace>
         arc: rod.spacing() * at.node as f64,
         radius: rod.thickest(),
     })
+}
+
+/// Whether a segment can touch an obstacle at all: it is not next to the node that carries it.
+pub(in crate::solve) fn can_touch(
+    carriers: &[Option<Carrier>],
+    surfaces: &[Surface],
+    [segment, surface]: [usize; 2],
+) -> bool {
+    carriers[surface].as_ref().is_none_or(|carrier| !carrier.leaves_out(segment, surfaces[surface].level))
 }

@@ -1,7 +1,7 @@
 //! Tangents of the contact centrelines at the nodes: the direction of r′ in the frame of the node.
 //!
 //! The contact centreline between two neighbouring nodes is the cubic Hermite curve through them with the tangents R v, R
-//! the frame of a node. v is e3 along rods that are hardly sheared: a shear γ that is left out makes ripples of ±.1 γ h
+//! the frame of a node. v is e3 along rods that are hardly sheared: a shear γ that is left out makes ripples of ±0.1 γ h
 //! between nodes h apart, whose mean is zero. Along others it is measured (`measured_tangents`). Like contact pressures, v
 //! is held fixed while the potential falls, so that contact stays a function of positions and frames of two nodes a segment.
 

@@ -331,7 +331,7 @@ impl Engine {
         self.planes = planes(&self.model);
     }
 
-    /// Tells by the supports which components of the nodes are unknown.
+    /// Finds by the supports which components of the nodes are unknown.
     pub(crate) fn find_unknowns(&mut self) {
         self.sharing = Sharing::of(&self.model, &self.first_node);
         self.equations = free_unknowns(&self.model, &self.first_node, &self.sharing.owner);

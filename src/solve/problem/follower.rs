@@ -144,7 +144,7 @@ pub(super) fn about(rotation: &Quat, axis: &Vec3) -> (Quat, f64) {
 }
 
 impl Follower {
-    /// Puts the node where those are that it follows. Of its turn about a hinge's axis its own frame tells.
+    /// Puts the node where those are that it follows. Its turn about a hinge's axis is that of its own frame.
     fn follow(&self, state: &mut State) {
         state.positions[self.node] = state.positions[self.master];
         state.remainders[self.node] = state.remainders[self.master];

@@ -113,7 +113,7 @@ mod tests {
     }
 
     /// Between nodes the centreline is a circle however sections are tilted, also through the seam; with d3 for its tangents
-    /// it would be up to .1 × tilt × spacing beside it.
+    /// it would be up to 0.1 × tilt × spacing beside it.
     #[test]
     fn the_centreline_of_a_sheared_ring_is_a_circle() {
         for (angle, seam) in [(0.0, 0.0), (0.5, 0.0), (-0.3, 2.0)] {

@@ -392,7 +392,7 @@ mod tests {
         }
     }
 
-    /// Frames that are .4 turns apart turn on by no more than .05 turns in a step, and back by any step.
+    /// Frames that are 0.4 turns apart turn on by no more than 0.05 turns in a step, and back by any step.
     #[test]
     fn frames_do_not_turn_past_half_a_turn() {
         let mut engine = crossing(40.0);

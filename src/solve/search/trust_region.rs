@@ -46,7 +46,7 @@ const SHORTER: [f64; 3] = [0.5, 0.2, 0.06];
 /// Factor on the shift after a rejected step, at least, and by which the radius shrinks, because a step that is hardly
 /// shorter is rejected again.
 const RAISING: f64 = 4.0;
-/// Decrease of the potential, over the expected one, with which a step is accepted. With .1 instead, a rod a million
+/// Decrease of the potential, over the expected one, with which a step is accepted. With 0.1 instead, a rod a million
 /// times as long as thick does not converge under its whole load at once.
 const LEAST: f64 = 0.05;
 
@@ -250,7 +250,7 @@ impl Workspace {
         Ok(trial)
     }
 
-    /// Moves to the state of an accepted step, and tells whether the search is at rest there.
+    /// Moves to the state of an accepted step, and says whether the search has converged there.
     fn accept(
         &mut self,
         engine: &mut Engine,
@@ -266,7 +266,7 @@ impl Workspace {
         if search.rejections > HALVINGS { Advance::NoFarther } else { Advance::Done }
     }
 
-    /// Takes over the state of a trial, and what the step tells of the next one.
+    /// Takes over the state of a trial, and what the step predicts for the next one.
     fn move_to(
         &mut self,
         engine: &mut Engine,

@@ -15,7 +15,7 @@ use crate::math::Vec3;
 use crate::math::bernstein::cubic_weights;
 
 /// Least second derivative of the distance to a foot, over that far from the curve, because beyond the centre of curvature a
-/// Newton step would lead away from the foot. With .1 instead, the minicircle takes 375 iterations for 376.
+/// Newton step would lead away from the foot. With 0.1 instead, the minicircle takes 375 iterations for 376.
 const LEAST_CURVATURE: f64 = 0.2;
 /// Squared difference of unit tangents below which lines count as parallel, because lines at less than 6°
 /// cross too far away.

@@ -190,7 +190,7 @@ fn energy_by_sampling(slave: &[Vec3], master: &[Vec3], length: f64, reach: f64, 
     (0..PARTS).map(sample).sum::<f64>() * 0.25 * stiffness * length / PARTS as f64
 }
 
-/// Two polylines, radii .2 and .3, with fixed lengths of their segments.
+/// Two polylines, radii 0.2 and 0.3, with fixed lengths of their segments.
 fn with_ground<T>(points: &[Vec<Vec3>; 2], see: impl FnOnce(&ContactGeometry) -> T) -> T {
     let curves = [Curve::polyline(&points[0], 0.2), Curve::polyline(&points[1], 0.3)];
     let strands = Strands::view(&curves);
@@ -307,7 +307,7 @@ fn derivatives_of_lines_match_finite_differences() {
     assert!(touching > 50, "{touching}");
 }
 
-/// A straight slave that crosses .3 above a joint, in any attitude, to rounding on either side of it, up to a million
+/// A straight slave that crosses 0.3 above a joint, in any attitude, to rounding on either side of it, up to a million
 /// radii from the origin.
 struct OverJoint {
     /// Along the master, along the slave, and from the one to the other.

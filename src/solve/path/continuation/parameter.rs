@@ -110,7 +110,7 @@ impl Parameter {
         }
     }
 
-    /// Tells the solver how far its ramps have come.
+    /// Reports to the solver how far its ramps have come.
     pub(super) fn record(&self, solver: &mut Solver, by: f64) {
         let PrescribedQuantity::Node(node, displacement, rotation) = self.quantity else { return };
         if rotation == Vec3::zeros() {

@@ -23,6 +23,7 @@ use crate::math::bernstein::{Roots, derivative, eval, roots};
 use crate::math::signed_distance::{Skeleton, Surface};
 use crate::solve::measures::{MAX_ROUNDS, ROUNDING};
 use crate::solve::problem::carried_bodies::BodyMotion;
+use crate::solve::problem::carrier::can_touch;
 use crate::solve::problem::contact_side::ContactSide;
 
 /// By how much a bound may be below φ, over the radius or the present distance, because steps lose as much.
@@ -46,7 +47,9 @@ pub(super) fn fraction(side: &ContactSide, increment: &[f64], motions: &[Segment
         for (index, (surface, body)) in side.surfaces.iter().zip(&bodies).enumerate() {
             let from_point = middle - surface.point();
             let fastest = fastest + body.fastest(from_point.norm() + size, fastest);
-            if surface.distance(&from_point) - size - t * fastest < kept && side.can_touch(segment, index) {
+            if surface.distance(&from_point) - size - t * fastest < kept
+                && can_touch(&side.carriers, &side.surfaces, [segment, index])
+            {
                 t = of_segment((side, segment), (surface, body), motion, keep, t);
             }
         }

@@ -16,7 +16,7 @@ use crate::solve::search::workspace::Workspace;
 
 /// Last correction, over the step, with which corrections have converged, because the next is as much smaller again.
 const SETTLED: f64 = 0.01;
-/// Largest ratio of two corrections in a row that converge. With .5 instead, corrections that hardly shrink go on: the
+/// Largest ratio of two corrections in a row that converge. With 0.5 instead, corrections that hardly shrink go on: the
 /// beam beside a clamp takes 2844 iterations instead of 709.
 const CONTRACTION: f64 = 0.4;
 /// Change of contact forces, over their size, and turn of a node, rad, up to which the linearisation of a step holds,
