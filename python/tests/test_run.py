@@ -1,6 +1,7 @@
 """Runs: the same bits as the command line, callbacks, exceptions, Ctrl-C."""
 
 import csv
+import os
 import pickle
 import signal
 import subprocess
