@@ -5,7 +5,7 @@ knot that jams in another shape does not. What counts is the tightest state that
 lengths are over the radius; half of that is the ropelength here.
 
     pip install database-knotinfo
-    python ideal_knots.py [NAME ...]        # by default all of three to eight crossings: an hour or two
+    python ideal_knots.py [NAME ...]        # by default all of three to eight crossings: some hours
 """
 
 import sys
@@ -18,7 +18,7 @@ from supercoil import Result, Rod, Scene, Stage
 #: How far from the published thickness the ramps end, the fast one and the slow one. Nearer the strands, all at the limit, no longer
 #: settle.
 SHORT_OF_IDEAL = (0.03, 0.01)
-STEPS = (28, 8)
+STEPS = (28, 20)
 #: Cubic elements a diameter of the tight tube.
 ELEMENTS_A_DIAMETER = 3
 LENGTH = 300.0
