@@ -118,7 +118,7 @@ impl Linearised {
             let defect: Vec<f64> = forces.iter().zip(self.resistance(engine, &motion)).map(|(f, k)| f - k).collect();
             let correction = self.respond(&defect);
             let work = dot(&defect, &correction).abs();
-            if !(work < left) {
+            if work.is_nan() || work >= left {
                 break;
             }
             motion.iter_mut().zip(&correction).for_each(|(x, dx)| *x += dx);
