@@ -64,7 +64,7 @@ fn check(scenes: impl Fn(&str) -> bool) {
 
 #[test]
 fn gallery_of_quick_scenes() {
-    assert_eq!(rows().len(), 22);
+    assert_eq!(rows().len(), 23);
     check(|name| !SLOW.contains(&name));
 }
 
