@@ -34,17 +34,10 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::common::{root, run_to_end as last, verify};
-use crate::planes;
+use crate::planes::steps;
 
 use supercoil::math::Vec3;
-use supercoil::observe::report::{Observation, SiteKind};
-
-/// All steps of a scene, each with its certificate.
-fn steps(text: &str) -> Vec<Observation> {
-    let seen = planes::steps(text);
-    seen.iter().for_each(|step| assert_eq!(step.status, "converged", "{}", step.certificate));
-    seen
-}
+use supercoil::observe::report::SiteKind;
 
 /// A closed ring of radius 1, EA = 1000, in the x-y plane.
 const RING: &str = "planar = true\n[[rods]]\nname = \"ring\"\nclosed = true\nshape = { kind = \"circle\", radius = 1.0 }\n\

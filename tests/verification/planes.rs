@@ -13,26 +13,16 @@
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
 use std::f64::consts::FRAC_PI_2;
-use std::ops::ControlFlow;
 use std::path::Path;
 
-use crate::common::{root, verify};
+use crate::common::{self, root, verify};
 
-use supercoil::observe::observe;
 use supercoil::observe::report::{Observation, ObstacleSite, SiteKind};
-use supercoil::scene::Scene;
-use supercoil::solve::{self, Options, Status};
+use supercoil::solve::Options;
 
-/// All steps of a scene; none penetrates by more than is tolerated.
+/// All steps of a scene, each with its certificate; none penetrates by more than is tolerated.
 pub(crate) fn steps(text: &str) -> Vec<Observation> {
-    let scene = Scene::from_toml(text, Path::new("")).unwrap();
-    let mut seen = Vec::new();
-    let solution = solve::run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
-        seen.push(observe(progress));
-        ControlFlow::Continue(())
-    });
-    let solution = solution.unwrap();
-    assert_eq!(solution.status, Status::Converged, "{:?}", solution.failure.map(|failure| failure.to_string()));
+    let seen = common::run(text, Path::new(""), |_| Options::default()).1;
     for step in &seen {
         let deepest = step.obstacle_sites.iter().map(|site| -site.gap).fold(0.0, f64::max);
         assert!(deepest <= 1e-8 * step.sizes[0].contact_radius * (1.0 + 1e-6), "{deepest}");

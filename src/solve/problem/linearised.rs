@@ -5,6 +5,7 @@
 
 use crate::error::SolveError;
 use crate::math::Vec3;
+use crate::solve::measures::MAX_ROUNDS;
 use crate::solve::problem::assembly::{Residual, Tangent};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -19,8 +20,6 @@ use crate::sparse::{Factor, Pattern};
 /// Error of a response at which refinement ends, over the response in the norm of the energy, because the next correction is below
 /// rounding.
 const REFINED: f64 = 1e-9;
-/// Most corrections of a response: each reduces the error by the factor's, a tenth on 10⁵ nodes.
-const MAX_REFINEMENTS: usize = 10;
 
 /// Displacement and rotation of some nodes, or force and moment on them.
 pub(crate) type NodeVector = Vec<(usize, [f64; 6])>;
@@ -32,9 +31,7 @@ pub(crate) struct Linearised {
     pattern: Pattern,
     factor: Factor,
     bases: Bases,
-    /// ∂²Π/∂x².
-    tangent: Vec<f64>,
-    /// The same without the part of the material, which products take element by element.
+    /// ∂²Π/∂x² with springs, without the part of the material, which products take element by element.
     besides_material: Vec<f64>,
     /// What springs on zero-energy modes add.
     springs: Vec<f64>,
@@ -78,13 +75,15 @@ impl Linearised {
         let zero_energy = ZeroEnergyModes::at(engine, &state, &residual);
         let mut springs = vec![0.0; tangent.len()];
         zero_energy.add_pins(engine, &state, (&pattern, &bases), &mut springs);
+        for values in [&mut tangent, &mut besides_material] {
+            values.iter_mut().zip(&springs).for_each(|(k, spring)| *k += spring);
+        }
         let constraint = zero_energy.sliding_constraint();
         let motions = zero_energy.all(engine);
         let mut linearised = Self {
             pattern,
             factor,
             bases,
-            tangent,
             besides_material,
             springs,
             border: None,
@@ -92,13 +91,13 @@ impl Linearised {
             zero_energy: motions,
             num_negative: 0,
         };
-        linearised.factorise(constraint)?;
+        linearised.factorise(&tangent, constraint)?;
         Ok(linearised)
     }
 
-    fn factorise(&mut self, constraint: Option<Vec<f64>>) -> Result<(), SolveError> {
-        let sum: Vec<f64> = self.tangent.iter().zip(&self.springs).map(|(k, s)| k + s).collect();
-        let inertia = self.factor.factorise(&self.pattern, &sum);
+    /// Factorises the tangent with its springs.
+    fn factorise(&mut self, tangent: &[f64], constraint: Option<Vec<f64>>) -> Result<(), SolveError> {
+        let inertia = self.factor.factorise(&self.pattern, tangent);
         self.num_negative = inertia.ok_or(SolveError::Factorisation { iteration: 0, shift: 0.0 })?.num_negative;
         let Some(constraint) = constraint else { return Ok(()) };
         let response = self.solve_unconstrained(&constraint);
@@ -114,7 +113,7 @@ impl Linearised {
         let mut motion = self.respond(forces);
         let whole = dot(forces, &motion).abs();
         let mut left = whole;
-        for _ in 0..MAX_REFINEMENTS {
+        for _ in 0..MAX_ROUNDS {
             let defect: Vec<f64> = forces.iter().zip(self.resistance(engine, &motion)).map(|(f, k)| f - k).collect();
             let correction = self.respond(&defect);
             let work = dot(&defect, &correction).abs();
@@ -138,9 +137,12 @@ impl Linearised {
 
     /// Forces of the tangent with its springs against a motion, the part of the material element by element.
     fn resistance(&self, engine: &Engine, motion: &[f64]) -> Vec<f64> {
-        let values: Vec<f64> = self.besides_material.iter().zip(&self.springs).map(|(k, s)| k + s).collect();
         let material = engine.material_product(&engine.state, motion);
-        self.product(&values, motion).iter().zip(material).map(|(rest, material)| rest + material).collect()
+        self.product(&self.besides_material, motion)
+            .iter()
+            .zip(material)
+            .map(|(rest, material)| rest + material)
+            .collect()
     }
 
     /// The forces against a motion of what holds zero-energy modes: springs, and a spring of unit stiffness along the
