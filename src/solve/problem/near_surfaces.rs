@@ -92,11 +92,11 @@ mod tests {
     const RANGE: f64 = 0.1;
     const MARGIN: f64 = 0.04;
 
-    /// A wavy strand that drifts.
-    fn strand(time: f64) -> CurveSet {
+    /// A wavy strand that drifts, at a height.
+    fn strand(time: f64, height: f64) -> CurveSet {
         let node = |k: usize| {
             let s = k as f64 / SEGMENTS as f64;
-            Vec3::new(3.0 * s - 1.5 + 0.3 * time, (5.0 * s + time).sin(), 0.4 * (11.0 * s).cos() + 0.2 * time)
+            Vec3::new(3.0 * s - 1.5 + 0.3 * time, (5.0 * s + time).sin(), 0.4 * (11.0 * s).cos() + 0.2 * time + height)
         };
         let segment = |k: usize| {
             let [a, b] = [node(k), node(k + 1)];
@@ -121,11 +121,15 @@ mod tests {
     }
 
     /// All pairs within the range by points of the curves are listed, and none that the list would not be made for with twice the
-    /// margin; changes of pairs that nothing couples are not counted.
+    /// margin; changes of pairs that nothing couples are not counted. The last strand comes from afar, to a list without pairs.
     #[test]
     fn the_list_holds_what_is_near_by_points() {
-        for carried in [false, true] {
-            let surfaces = surfaces(carried);
+        let falling = |time: f64| strand(0.0, 3.0 - 2.0 * time);
+        let drifting = |time: f64| strand(time, 0.0);
+        let sphere = surfaces(false)[1..2].to_vec();
+        let cases: [(Vec<Surface>, &dyn Fn(f64) -> CurveSet); 3] =
+            [(surfaces(false), &drifting), (surfaces(true), &drifting), (sphere, &falling)];
+        for (surfaces, strand) in cases {
             let mut near = NearSurfaces::default();
             let (mut renewed, mut most) = (0, 0);
             for step in 0..200 {
@@ -147,7 +151,7 @@ mod tests {
                 assert!(!near.pairs.contains(&[7, 1]));
             }
             assert!((3..150).contains(&renewed) && most < SEGMENTS * surfaces.len(), "{renewed} {most}");
-            assert_eq!(near.generation(), if carried { renewed } else { 0 });
+            assert_eq!(near.generation(), if surfaces[0].carried { renewed } else { 0 });
         }
     }
 }
