@@ -124,12 +124,9 @@ mod tests {
     /// margin; changes of pairs that nothing couples are not counted. The last strand comes from afar, to a list without pairs.
     #[test]
     fn the_list_holds_what_is_near_by_points() {
-        let falling = |time: f64| strand(0.0, 3.0 - 2.0 * time);
-        let drifting = |time: f64| strand(time, 0.0);
         let sphere = surfaces(false)[1..2].to_vec();
-        let cases: [(Vec<Surface>, &dyn Fn(f64) -> CurveSet); 3] =
-            [(surfaces(false), &drifting), (surfaces(true), &drifting), (sphere, &falling)];
-        for (surfaces, strand) in cases {
+        for (surfaces, falls) in [(surfaces(false), false), (surfaces(true), false), (sphere, true)] {
+            let strand = |time: f64| if falls { strand(0.0, 3.0 - 2.0 * time) } else { strand(time, 0.0) };
             let mut near = NearSurfaces::default();
             let (mut renewed, mut most) = (0, 0);
             for step in 0..200 {
