@@ -1,7 +1,9 @@
 //! Sparse symmetric matrices over nodes with up to six unknowns each: [`pattern`] (built once per contact graph,
-//! refilled), [`factor`] (LDLᵀ with inertia; the only file that names the sparse library).
+//! refilled), `ordering` (orders of elimination), [`factor`] (LDLᵀ with inertia; the only file that names the sparse
+//! library).
 
 pub mod factor;
+mod ordering;
 pub mod pattern;
 
 pub use factor::Factor;

@@ -87,6 +87,16 @@ impl NodeGraph {
         Self { unknowns, pairs }
     }
 
+    /// Pairs of coupled nodes, the lower first, each node with itself among them, ascending.
+    pub(super) fn pairs(&self) -> &[(u32, u32)] {
+        &self.pairs
+    }
+
+    /// Number of unknowns of the block of a node.
+    pub(super) fn num_free(&self, node: u32) -> u32 {
+        self.unknowns.count[node as usize]
+    }
+
     /// Number of nodes.
     pub fn num_nodes(&self) -> usize {
         self.unknowns.count.len()
