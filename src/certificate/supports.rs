@@ -140,7 +140,7 @@ impl Due {
         let (position, frame) = (*rod.positions.get(node.node)?, *rod.frames.get(node.node)?);
         let (displaced, turned) = (Vec3::zeros(), 0.0);
         let mut due = Self { position, frame, start: frame, displaced, turned, is_moved: false };
-        let joined = given.model.joined_nodes(node);
+        let joined = [given.model.joined_nodes(node), given.model.turning_nodes(node)];
         for (k, of) in given.stages.iter().enumerate().take(stage + 1) {
             let part = if k < stage { 1.0 } else { fraction };
             if k < stage || part > 0.0 {
@@ -154,7 +154,7 @@ impl Due {
         &mut self,
         given: &Given,
         stage: &Stage,
-        (node, joined): (NodeRef, &[NodeRef]),
+        (node, [joined, turning]): (NodeRef, &[Vec<NodeRef>; 2]),
         part: f64,
     ) -> Option<()> {
         for ramp in &stage.ramps {
@@ -178,7 +178,7 @@ impl Due {
         }
         for ramp in &stage.ramps {
             match ramp {
-                Ramp::Rotation { node: at, axis, to } if joined.contains(at) => {
+                Ramp::Rotation { node: at, axis, to } if turning.contains(at) => {
                     self.turn(axis, (to - self.turned) * part)
                 }
                 Ramp::RotationAbout { node: at, axis, through, to } if joined.contains(at) => {

@@ -5,6 +5,7 @@
 //! * Three rods joined at a point, at angles.
 //! * A rod bent to a circle and joined to itself.
 //! * A ring that is wound while it is joined to a clamped strut.
+//! * A joint that stages displace, turn and bring to a pose.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -13,10 +14,13 @@ use std::f64::consts::TAU;
 use crate::common;
 
 use common::{history, observed};
+use std::ops::ControlFlow;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
-use supercoil::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Ramp, Support};
-use supercoil::solve::{Options, Solver, Status};
+
+use supercoil::observe::observe;
+use supercoil::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Pose, PosePath, Ramp, Stage, Support};
+use supercoil::solve::{Options, Solver, Status, run};
 
 const STEPS: [usize; 5] = [1, 2, 3, 5, 6];
 
@@ -148,5 +152,72 @@ fn a_joined_ring_is_wound() {
         let model = Model { loads: vec![], ..model };
         let (energy, _) = same_in_all(&model, wound(1));
         assert!((energy / free - 1.0).abs() < 1e-7, "{joined}: {energy} {free}");
+    }
+}
+
+/// A joint that stages move, held and named by either of its nodes, is a node of the whole rod, whose ends are clamped.
+#[test]
+fn a_joint_is_moved_like_a_node_of_a_rod() {
+    let whole = rod("whole", &Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 }, 8);
+    let halves = vec![line("a", Vec3::zeros(), Vec3::x()), line("b", Vec3::x(), Vec3::x())];
+    let held = |rods: Vec<Rod>, joints: &[[NodeRef; 2]], middle: NodeRef| {
+        let last = node(rods.len() - 1, rods[rods.len() - 1].num_nodes() - 1);
+        let supports = [node(0, 0), middle, last].map(Support::clamp).to_vec();
+        Model { supports, loads: vec![], ..model(rods, joints, Vec3::zeros()) }
+    };
+    let (aside, axis) = (Vec3::new(-0.05, 0.2, 0.1), Vec3::new(0.2, 0.1, 1.0));
+    let ramps: [fn(NodeRef, f64, [Vec3; 2]) -> Ramp; 4] = [
+        |node, part, [aside, _]| Ramp::Displacement { node, to: aside * part },
+        |node, part, [_, axis]| Ramp::Rotation { node, axis, to: 0.1 * part },
+        // about the rods' own tangent, too
+        |node, part, _| Ramp::Rotation { node, axis: Vec3::x(), to: 0.3 * part },
+        |node, part, [aside, axis]| Ramp::RotationAbout { node, axis, through: Vec3::x() + aside, to: 0.1 * part },
+    ];
+    for (k, ramp) in ramps.iter().enumerate() {
+        let at = |node: NodeRef| move |part: f64| ramp(node, part, [aside, axis]);
+        let (energy, _) = end_in_steps(&held(vec![whole.clone()], &[], node(0, 12)), at(node(0, 12)), 3);
+        assert!(energy > 0.1, "{k}: {energy}");
+        let [a, b] = [node(0, 12), node(1, 0)];
+        for (held_at, moved_at) in [(a, a), (a, b), (b, a)] {
+            let (joined, _) = end_in_steps(&held(halves.clone(), &[[a, b]], held_at), at(moved_at), 3);
+            assert!((joined / energy - 1.0).abs() < 1e-7, "{k}: {joined} {energy}");
+        }
+    }
+}
+
+/// A pin that is displaced takes both rods along; what turns one of them leaves the other alone. Nodes brought to a pose
+/// take joined rods along.
+#[test]
+fn pins_and_poses_move() {
+    let halves = vec![line("a", Vec3::zeros(), Vec3::x()), line("b", Vec3::x(), Vec3::y())];
+    let [a, b, end] = [node(0, 12), node(1, 0), node(1, 12)];
+    let supports = [node(0, 0), a, end].map(Support::clamp).to_vec();
+    let rigid = Model { supports, loads: vec![], ..model(halves, &[[a, b]], Vec3::zeros()) };
+    let pinned = Model { joints: vec![Joint::pin(a, b)], ..rigid.clone() };
+    let run = |model: &Model, ramp: Ramp| {
+        let stages = [Stage { ramps: vec![ramp], steps: 3 }];
+        let mut seen = None;
+        let ended = run(model.clone(), &stages, &Options::default(), &mut |progress| {
+            seen = Some(observe(progress));
+            ControlFlow::Continue(())
+        });
+        let (solver, state) = (ended.unwrap().solver, seen.unwrap());
+        assert!(state.certificate.holds(), "{:?}", state.certificate);
+        [a, b].map(|at| place(&solver, at))
+    };
+    let (by, axis) = (Vec3::new(0.1, -0.1, 0.2), Vec3::z());
+    for model in [&rigid, &pinned] {
+        let before = [a, b].map(|at| model.rods[at.rod].frames[at.node]);
+        let displaced = run(model, Ramp::Displacement { node: b, to: by });
+        displaced.iter().for_each(|(r, _)| assert!((r - Vec3::x() - by).norm() < 1e-12, "{r}"));
+        let turned = run(model, Ramp::Rotation { node: a, axis, to: 0.05 });
+        let angles: Vec<f64> = turned.iter().zip(&before).map(|((_, q), given)| q.angle_to(given)).collect();
+        assert!((angles[0] - 0.05 * TAU).abs() < 1e-12, "{angles:?}");
+        assert_eq!((angles[1] - angles[0]).abs() < 1e-12, std::ptr::eq(model, &rigid), "{angles:?}");
+        let frame = Quat::from_scaled_axis(axis * 0.4) * before[0];
+        let (path, half_turn) = (PosePath::Straight, Vec3::zeros());
+        let pose = Pose { position: Some(Vec3::x() + by), frame: Some(frame), path, turns: None, half_turn };
+        let [(r, q), (s, _)] = run(model, Ramp::Pose { node: a, pose });
+        assert!((r - Vec3::x() - by).norm() < 1e-12 && r == s && q.angle_to(&frame) < 1e-12, "{r} {s}");
     }
 }

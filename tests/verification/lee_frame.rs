@@ -16,7 +16,7 @@ use std::ops::ControlFlow;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
-use supercoil::scene::{Contact, Electrostatics, Joint, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
+use supercoil::scene::{Contact, Electrostatics, Joint, JointKind, Model, NodeLoad, NodeRef, Ramp, Stage, Support};
 use supercoil::solve::{FollowOptions, PathEnd, PointKind, Solver};
 
 const LENGTH: f64 = 120.0;
@@ -133,8 +133,17 @@ fn bad_joints_are_refused() {
     touching.rods.iter_mut().for_each(|rod| rod.section.contact_radius = 0.1);
     assert!(refusal(&touching).contains("joins two charged rods"), "{}", refusal(&touching));
     let mut held = good.clone();
-    held.supports.push(Support::pin(held.joints[0].a));
-    let ramp = Ramp::Displacement { node: held.joints[0].b, to: Vec3::x() };
-    let moved = held.check_stages(&[Stage { ramps: vec![ramp], steps: 1 }]).unwrap_err().to_string();
-    assert!(moved.contains("joints cannot be moved"), "{moved}");
+    held.supports.push(Support::clamp(held.joints[0].a));
+    let [a, b] = [held.joints[0].a, held.joints[0].b];
+    let moves = |node: NodeRef| Ramp::Displacement { node, to: Vec3::x() };
+    let check = |model: &Model, ramps: Vec<Ramp>| model.check_stages(&[Stage { ramps, steps: 1 }]);
+    assert_eq!(check(&held, vec![moves(b)]), Ok(()));
+    let twice = check(&held, vec![moves(a), moves(b)]).unwrap_err().to_string();
+    assert!(twice.contains("the same quantity is ramped twice"), "{twice}");
+    let turned = Ramp::Rotation { node: b, axis: Vec3::z(), to: 0.1 };
+    assert_eq!(check(&held, vec![turned.clone()]), Ok(()));
+    held.joints[0].kind = JointKind::Hinge { axis: Vec3::z() };
+    held.supports.push(Support::clamp(b));
+    let hinged = check(&held, vec![turned]).unwrap_err().to_string();
+    assert!(hinged.contains("hinges cannot be turned") || held.planar, "{hinged}");
 }

@@ -77,7 +77,7 @@ impl Model {
     /// All that [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of no ramps; two ramps of one quantity in a stage;
     /// targets that are not finite; the excess link of an open rod or in a planar model; a rotation of a node whose
     /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; a pose of a
-    /// node that is not clamped; motions of joined nodes; an obstacle that there is not, or a radius that no rod fits in; a load factor without loads, or one
+    /// node that is not clamped; turns of hinged nodes; an obstacle that there is not, or a radius that no rod fits in; a load factor without loads, or one
     /// that lifts a rod off the planes that carry it; pressure on anything but a closed rod of a planar model.
     pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
         // the checks of ramps assume a sound model
@@ -101,7 +101,7 @@ impl Model {
             }
             for (k, ramp) in stage.ramps.iter().enumerate() {
                 model.check_ramp(&format!("stages[{i}].ramp"), ramp, &stage.ramps)?;
-                if stage.ramps[..k].iter().any(|other| same_quantity(other, ramp)) {
+                if stage.ramps[..k].iter().any(|other| self.is_same_quantity(other, ramp)) {
                     return Err(InputError::inconsistent(
                         format!("stages[{i}].ramp"),
                         "the same quantity is ramped twice",
@@ -181,7 +181,6 @@ impl Model {
     fn check_displaced(&self, field: &str, node: NodeRef, to: &Vec3) -> Result<(), InputError> {
         self.check_node(field, node)?;
         finite(&format!("{field}.to"), to)?;
-        self.check_not_joined(field, node)?;
         self.check_position_held(field, node, "is displaced", [0, 1, 2].map(|k| to[k] != 0.0))
     }
 
@@ -259,7 +258,7 @@ impl Model {
         self.check_node(field, node)?;
         InputError::check(&format!("{field}.turns"), turns, true, "a finite number of turns")?;
         self.check_axis(field, axis)?;
-        self.check_not_joined(field, node)?;
+        self.check_not_hinged(field, node)?;
         let reason = "has no support that fixes its rotation at this node: add one with rotation = true";
         self.require(self.fixed(node).1 == [true; 3], field, node.rod, reason)
     }
@@ -283,8 +282,11 @@ impl Model {
             InputError::check(&field, turns, whole, "a whole number of turns, at most 100000")?;
             let reason = "is closed: put turns into it by excess_link";
             self.require(!rod.closed, &field, node.rod, reason)?;
+            let reason =
+                "is joined to another rod at this node, which has another tangent: turn it by a stage of its own";
+            self.require(self.turning_nodes(node).len() == 1, &field, node.rod, reason)?;
         }
-        self.check_not_joined(field, node)?;
+        self.check_not_hinged(field, node)?;
         let reason = "is not clamped at this node: add a support with position = true and rotation = true";
         self.require(self.fixed(node) == ([true; 3], [true; 3]), field, node.rod, reason)?;
         self.check_pose_in_plane(field, node, pose)
@@ -307,9 +309,32 @@ impl Model {
         self.require(held, field, node.rod, &reason)
     }
 
-    fn check_not_joined(&self, field: &str, node: NodeRef) -> Result<(), InputError> {
-        let alone = self.joined_nodes(node).len() == 1;
-        self.require(alone, field, node.rod, "is joined to another rod at this node: joints cannot be moved")
+    /// Refuses to turn a node with a hinge: what turns about its axis is not said.
+    fn check_not_hinged(&self, field: &str, node: NodeRef) -> Result<(), InputError> {
+        let turns_as_one = self.hinged_nodes(node).len() == self.turning_nodes(node).len();
+        self.require(turns_as_one, field, node.rod, "is hinged to another rod at this node: hinges cannot be turned")
+    }
+
+    /// Whether two ramps move the same quantity; joined nodes are one.
+    fn is_same_quantity(&self, a: &Ramp, b: &Ramp) -> bool {
+        match (a, b) {
+            (Ramp::ExcessLink { rod: a, .. }, Ramp::ExcessLink { rod: b, .. })
+            | (Ramp::Pressure { rod: a, .. }, Ramp::Pressure { rod: b, .. }) => a == b,
+            (
+                Ramp::Rotation { node: a, .. } | Ramp::RotationAbout { node: a, .. } | Ramp::Pose { node: a, .. },
+                Ramp::Rotation { node: b, .. } | Ramp::RotationAbout { node: b, .. } | Ramp::Pose { node: b, .. },
+            ) => self.turning_nodes(*a).contains(b),
+            (
+                Ramp::Displacement { node: a, .. } | Ramp::Pose { node: a, .. },
+                Ramp::Displacement { node: b, .. } | Ramp::Pose { node: b, .. },
+            ) => self.joined_nodes(*a).contains(b),
+            (Ramp::Load { .. }, Ramp::Load { .. }) => true,
+            (Ramp::Obstacle { obstacle: a, which: x, .. }, Ramp::Obstacle { obstacle: b, which: y, .. }) => {
+                (a, x) == (b, y)
+            }
+            (Ramp::Number { rod: a, which: x, .. }, Ramp::Number { rod: b, which: y, .. }) => (a, x) == (b, y),
+            _ => false,
+        }
     }
 
     fn check_axis(&self, field: &str, axis: &Vec3) -> Result<(), InputError> {
@@ -500,27 +525,6 @@ impl Model {
             in_plane(format!("line_loads[{i}]"), &load.force, &load.moment)?;
         }
         Ok(())
-    }
-}
-
-fn same_quantity(a: &Ramp, b: &Ramp) -> bool {
-    match (a, b) {
-        (Ramp::ExcessLink { rod: a, .. }, Ramp::ExcessLink { rod: b, .. })
-        | (Ramp::Pressure { rod: a, .. }, Ramp::Pressure { rod: b, .. }) => a == b,
-        (
-            Ramp::Rotation { node: a, .. } | Ramp::RotationAbout { node: a, .. } | Ramp::Pose { node: a, .. },
-            Ramp::Rotation { node: b, .. } | Ramp::RotationAbout { node: b, .. } | Ramp::Pose { node: b, .. },
-        )
-        | (
-            Ramp::Displacement { node: a, .. } | Ramp::Pose { node: a, .. },
-            Ramp::Displacement { node: b, .. } | Ramp::Pose { node: b, .. },
-        ) => a == b,
-        (Ramp::Load { .. }, Ramp::Load { .. }) => true,
-        (Ramp::Obstacle { obstacle: a, which: x, .. }, Ramp::Obstacle { obstacle: b, which: y, .. }) => {
-            (a, x) == (b, y)
-        }
-        (Ramp::Number { rod: a, which: x, .. }, Ramp::Number { rod: b, which: y, .. }) => (a, x) == (b, y),
-        _ => false,
     }
 }
 

@@ -232,6 +232,7 @@ impl Solver {
                 Ramp::Hold(_) | Ramp::Release(_) => {}
             }
         }
+        target.drive.nodes = self.engine.with_joined(&target.drive.nodes);
         target
     }
 

@@ -83,6 +83,22 @@ impl Engine {
         }
     }
 
+    /// Motions of nodes, and those of the nodes joined to them: all move along, rigidly joined ones turn along.
+    pub(crate) fn with_joined(&self, motions: &[(usize, Vec3, Vec3)]) -> Vec<(usize, Vec3, Vec3)> {
+        let owner = &self.sharing.owner;
+        let mut all = Vec::new();
+        for &(node, by, turn) in motions {
+            let [position, .., rotation] = owner[node];
+            let followers = self.sharing.followers.iter().map(|follower| follower.node);
+            let joined = followers.filter(|&other| owner[other][0] == position && other != position);
+            for other in std::iter::once(position).chain(joined) {
+                let turns = if owner[other][5] == rotation { turn } else { Vec3::zeros() };
+                all.push((other, by, turns));
+            }
+        }
+        all
+    }
+
     /// Whether rigid joints or hinges make a node turn with another.
     pub(crate) fn is_turning_joined(&self, node: usize) -> bool {
         let is_with = |follower: &Follower| match follower.turning {

@@ -157,7 +157,8 @@ pub(crate) fn lifted(engine: &Engine, state: &State, drive: &PrescribedMotion) -
         let tangent = state.frames[node] * Vec3::z();
         let angle = rotation.dot(&tangent);
         let about_tangent = (rotation - tangent * angle).norm() <= NOTHING * rotation.norm();
-        if !about_tangent || engine.model.rods[engine.rod_of(node)].closed {
+        let is_other_rods = engine.is_turning_joined(node);
+        if !about_tangent || is_other_rods || engine.model.rods[engine.rod_of(node)].closed {
             left.nodes.push((node, displacement, rotation));
             continue;
         }

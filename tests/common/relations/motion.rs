@@ -287,13 +287,7 @@ pub fn cut(problem: &Problem) -> Option<Variant> {
     let natural = matches!(rod.natural, Natural::Straight | Natural::Uniform { .. });
     let contact = model.contact.law.is_on() && rod.section.contact_radius > 0.0;
     let of_whole = |ramp: &Ramp| matches!(ramp, Ramp::ExcessLink { .. } | Ramp::Pressure { .. } | Ramp::Number { .. });
-    // joined nodes cannot be moved
-    let of_seam = |ramp: &Ramp| {
-        matches!(ramp, Ramp::Rotation { node, .. } | Ramp::RotationAbout { node, .. } | Ramp::Displacement { node, .. }
-            | Ramp::Pose { node, .. } if rod.closed && (node.rod, node.node) == (0, 0))
-    };
-    let winds = |ramp: &Ramp| of_whole(ramp) || of_seam(ramp);
-    let wound = problem.stages.iter().flat_map(|stage| &stage.ramps).any(winds);
+    let wound = problem.stages.iter().flat_map(|stage| &stage.ramps).any(of_whole);
     if !uniform || !natural || contact || wound {
         return None;
     }
