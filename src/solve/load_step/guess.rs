@@ -7,6 +7,7 @@ use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::Origin;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::contact_side::ContactSide;
+use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, lifted};
 use crate::solve::problem::state::State;
 
@@ -30,12 +31,29 @@ impl LawInForce {
     }
 }
 
+/// What a guess knows of contact.
+#[derive(Debug, Clone)]
+pub(in crate::solve) enum ContactOfGuess {
+    /// It is as it was in the last state.
+    Kept,
+    Known(LawInForce),
+    /// Nothing: the guess is a shape. The search goes over the laws, from pressures that balance the shape.
+    Unknown,
+}
+
+impl ContactOfGuess {
+    /// That of a solver in whose state contact is enforced.
+    pub(in crate::solve) fn of(engine: &Engine) -> Self {
+        engine.contact.as_ref().map_or(Self::Kept, |side| Self::Known(LawInForce::of(side)))
+    }
+}
+
 /// A state from which the end of a load step may be near, with all that is known of it.
 #[derive(Debug, Clone)]
 pub(in crate::solve) struct Guess {
     pub(in crate::solve) state: State,
-    /// Contact that holds it; `None`: as it is.
-    pub(in crate::solve) contact: Option<LawInForce>,
+    /// Contact that holds it.
+    pub(in crate::solve) contact: ContactOfGuess,
     /// Part of the prescribed motion that supports have still to make.
     pub(in crate::solve) drive: PrescribedMotion,
     /// Shear forces and tension, per element and integration point \[F\]; empty: those of the state.
@@ -54,7 +72,7 @@ impl Guess {
     pub(in crate::solve) fn of(state: State) -> Self {
         Self {
             state,
-            contact: None,
+            contact: ContactOfGuess::Kept,
             drive: PrescribedMotion::default(),
             forces: Vec::new(),
             uncertainty: f64::INFINITY,
@@ -104,7 +122,7 @@ impl Solver {
     /// Puts state and contact of a guess in force.
     pub(super) fn take(&mut self, guess: &Guess) {
         self.engine.state.clone_from(&guess.state);
-        if let (Some(side), Some(LawInForce { law, offsets, before })) =
+        if let (Some(side), ContactOfGuess::Known(LawInForce { law, offsets, before })) =
             (&mut self.engine.contact, guess.contact.clone())
         {
             (side.law, side.offsets, side.before) = (law, offsets, before);
@@ -141,8 +159,7 @@ impl Solver {
             (Origin::Present, Ahead::Present) => Ok(Some(self.present_guess(drive))),
             (Origin::Growth, _) => self.growth(drive),
             (Origin::ShortRod, _) => self.snap_of_short_rod(drive, elsewhere),
-            // where the step leads is not known, and nothing moves
-            (Origin::PeriodicExtension, Ahead::Unknown) => Ok(self.periodic_extension(drive, elsewhere)),
+            (Origin::ClosedPlectoneme, _) => self.closed_plectoneme(drive, matches!(ahead, Ahead::Unknown), elsewhere),
             (Origin::CoarseMesh, _) => self.coarse_mesh_guess(drive, elsewhere),
             _ => Ok(None),
         }

@@ -21,7 +21,7 @@ use crate::math::Vec3;
 use crate::rod::Natural;
 use crate::scene::{ContactLaw, Fidelity};
 use crate::solve::load_step::core_law::TURNS_AT_ONCE;
-use crate::solve::load_step::guess::{Guess, LawInForce};
+use crate::solve::load_step::guess::{ContactOfGuess, Guess};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::Status;
 use crate::solve::options::Options;
@@ -57,12 +57,12 @@ impl Solver {
         let Some((factor, coarse)) = self.coarsest(drive) else { return Ok(None) };
         let Some(guess) = self.interpolated(coarse, factor, drive, elsewhere) else { return Ok(None) };
         let asked = Law::Linear { stiffness: self.engine.contact_stiffness() };
-        if guess.contact.as_ref().is_some_and(|contact| contact.law != asked) {
+        if matches!(&guess.contact, ContactOfGuess::Known(contact) if contact.law != asked) {
             // a coarse mesh does not always carry the law
             self.take(&guess);
             self.engine.update_contact(&guess.state)?;
             self.change_law_keeping_pressures(asked);
-            return Ok(Some(Guess { contact: self.engine.contact.as_ref().map(LawInForce::of), ..guess }));
+            return Ok(Some(Guess { contact: ContactOfGuess::of(&self.engine), ..guess }));
         }
         Ok(Some(guess))
     }
@@ -90,7 +90,7 @@ impl Solver {
         if !self.is_same(&fine.engine.state, &coarse.engine, factor) {
             return None;
         }
-        let contact = fine.engine.contact.as_ref().map(LawInForce::of);
+        let contact = ContactOfGuess::of(&fine.engine);
         Some(Guess { contact, escapes: made.escapes, ..Guess::of(fine.engine.state) })
     }
 

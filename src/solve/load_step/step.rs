@@ -2,14 +2,14 @@
 //!
 //! [`Solver::load_step`] is the whole of it. It goes through an ordered list of starts ([`Origin::all`]); each that
 //! applies makes a guess, a value. The first guess from which a search converges, and from which contact can be
-//! enforced there, ends the step. A search from a guess follows the branch: it leaves no unstable equilibrium. The last
-//! start is the present state with the contact law itself as a path ([`Solver::continue_over_laws`]); it always
-//! applies, and descends from unstable equilibria.
+//! enforced there, ends the step. A search from a guess follows the branch: it leaves no unstable equilibrium. From a guess
+//! whose contact is not known, a shape, the search goes over the laws ([`Solver::continue_over_laws`]). So it does from
+//! the present state, the last start: it always applies, and descends from unstable equilibria.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::scene::ContactLaw;
-use crate::solve::load_step::guess::{Ahead, Guess, Task};
+use crate::solve::load_step::guess::{Ahead, ContactOfGuess, Guess, Task};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Attempt, Failed, Origin, Status, StepReport};
 use crate::solve::problem::contact_field::ContactField;
@@ -96,6 +96,9 @@ impl Solver {
             return Ok(None);
         }
         report.escapes += guess.escapes;
+        if matches!(guess.contact, ContactOfGuess::Unknown) {
+            return self.continue_over_laws(&guess.drive, report).map(Some);
+        }
         let Guess { drive, forces, uncertainty, .. } = &guess;
         let (max_escapes, uncertainty) = (self.max_escapes(origin), *uncertainty);
         let options = SearchOptions { max_escapes, forces, uncertainty, ..self.search_options() };
@@ -118,7 +121,7 @@ impl Solver {
             report.penetration = self.contact_errors().penetration;
         }
         report.stiffness_reduction = self.engine.stiffness_reduction();
-        report.branch_ends = report.start == Some(Origin::ShortRod)
+        report.branch_ends = matches!(report.start, Some(Origin::ShortRod | Origin::ClosedPlectoneme) if report.escapes > 0)
             || report.attempts.iter().any(|a| a.origin != Origin::CoreLaw && a.status == Status::Unstable);
         if let Some(Failed { status, error }) = failed {
             (report.status, report.error) = (status, error);

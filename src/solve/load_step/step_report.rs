@@ -51,12 +51,13 @@ pub enum Origin {
     Prediction,
     /// The present state as it is.
     Present,
-    /// A long closed plectoneme made of the equilibrium of a short one.
-    PeriodicExtension,
-    /// The plectoneme that a short piece of a long straight rod snaps into.
-    ShortRod,
     /// The equilibrium of a coarse mesh, after several turns.
     CoarseMesh,
+    /// A closed plectoneme: that into which a ring snaps by several turns; a long one made of the equilibrium of a short
+    /// one.
+    ClosedPlectoneme,
+    /// The plectoneme that a short piece of a long straight rod snaps into.
+    ShortRod,
     /// The present state under a soft contact law, which is then raised to the requested one.
     CoreLaw,
 }
@@ -64,8 +65,8 @@ pub enum Origin {
 impl Origin {
     /// All, in the order in which they are tried. The last always applies.
     pub(crate) fn all() -> [Self; 7] {
-        use Origin::{CoarseMesh, CoreLaw, Growth, PeriodicExtension, Prediction, Present, ShortRod};
-        [Growth, Prediction, Present, PeriodicExtension, ShortRod, CoarseMesh, CoreLaw]
+        use Origin::{ClosedPlectoneme, CoarseMesh, CoreLaw, Growth, Prediction, Present, ShortRod};
+        [Growth, Prediction, Present, CoarseMesh, ClosedPlectoneme, ShortRod, CoreLaw]
     }
 }
 

@@ -22,7 +22,7 @@ use crate::math::link::link_of_ends;
 use crate::math::quaternion::spin;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Rod};
-use crate::solve::load_step::guess::{Guess, LawInForce};
+use crate::solve::load_step::guess::{ContactOfGuess, Guess, LawInForce};
 use crate::solve::load_step::plectoneme::double_helix::{DoubleHelix, NodeOrigin, turn_about_d3};
 use crate::solve::measures::ARC;
 use crate::solve::problem::engine::Engine;
@@ -111,7 +111,7 @@ fn composed(engine: &Engine, plectoneme: &OpenPlectoneme, exchange: &Exchange, t
     let side = engine.contact.as_ref()?;
     let offsets = side.offsets.moved(origins.iter().map(nearest));
     let forces = moved_forces(engine, plectoneme.helix.order, &origins);
-    let contact = Some(LawInForce { law: side.law, offsets, before: None });
+    let contact = ContactOfGuess::Known(LawInForce { law: side.law, offsets, before: None });
     Some(Guess { contact, forces, ..Guess::of(new) })
 }
 

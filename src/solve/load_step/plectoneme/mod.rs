@@ -5,20 +5,22 @@
 //! | `double_helix` | a double helix made longer or shorter by its own screw motion |
 //! | `growth` | a plectoneme between tails that takes up rod from them |
 //! | `short_rod` | a straight rod that snaps: the plectoneme of a short piece, grown |
+//! | `wound_ring` | a ring that snaps: the closed plectoneme of its link |
 //! | `periodic_extension` | a closed plectoneme: that of a short rod, made longer |
 //!
 //! Their interface are three methods of the solver: [`Solver::growth`], [`Solver::snap_of_short_rod`],
-//! [`Solver::periodic_extension`]. Each gives a guess, or none where it does not apply.
+//! [`Solver::closed_plectoneme`]. Each gives a guess, or none where it does not apply.
 
 mod double_helix;
 mod growth;
 mod periodic_extension;
 mod short_rod;
+mod wound_ring;
 
 use crate::error::SolveError;
-use crate::solve::load_step::guess::Guess;
+use crate::solve::load_step::guess::{ContactOfGuess, Guess};
 use crate::solve::load_step::solver::Solver;
-use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::prescribed_motion::{PrescribedMotion, lifted};
 use crate::solve::problem::state::State;
 
 impl Solver {
@@ -41,6 +43,33 @@ impl Solver {
         // the straight rod was unstable
         let snapped = Guess { escapes: 1, ..snapped };
         self.below(&turned, snapped).map(Some)
+    }
+
+    /// The closed plectoneme of a free uniform ring: what it is already, where nothing moves it and nothing is known
+    /// (`is_new`), or what it snaps into by several turns. A long one is made of a short one at rest; iterations there
+    /// are added to `elsewhere`.
+    pub(super) fn closed_plectoneme(
+        &mut self,
+        drive: &PrescribedMotion,
+        is_new: bool,
+        elsewhere: &mut usize,
+    ) -> Result<Option<Guess>, SolveError> {
+        if !self.augments() || !drive.nodes.is_empty() {
+            return Ok(None);
+        }
+        if drive.seams.iter().all(|angle| *angle == 0.0) {
+            let whole = self.engine.state.clone();
+            return Ok(if is_new { self.periodic_extension(&whole, elsewhere) } else { None });
+        }
+        let Some(wound) = self.wound_ring(drive) else { return Ok(None) };
+        let turned = lifted(&self.engine, &self.engine.state, drive).state;
+        if !self.is_unstable(&turned).unwrap_or(false) {
+            return Ok(None);
+        }
+        let shape = |state| Guess { contact: ContactOfGuess::Unknown, ..Guess::of(state) };
+        let guess = self.periodic_extension(&wound, elsewhere).unwrap_or_else(|| shape(wound));
+        // the ring was unstable
+        self.below(&turned, Guess { escapes: 1, ..guess }).map(Some)
     }
 
     /// The state with the drive lifted, if growth and snaps of plectonemes may be put together: it turns an end of a

@@ -17,7 +17,7 @@ use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Placement, Rod};
 use crate::scene::{ContactLaw, Model};
-use crate::solve::load_step::guess::{Ahead, Guess, LawInForce};
+use crate::solve::load_step::guess::{Ahead, ContactOfGuess, Guess, LawInForce};
 use crate::solve::load_step::plectoneme::double_helix::{DoubleHelix, NodeOrigin, Screw};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::Status;
@@ -83,7 +83,7 @@ fn changed(state: &State, helix: &DoubleHelix, elements: isize) -> State {
     out
 }
 
-fn centre(state: &State) -> Vec3 {
+pub(super) fn centre(state: &State) -> Vec3 {
     state.positions.iter().sum::<Vec3>() / state.positions.len() as f64
 }
 
@@ -95,34 +95,27 @@ fn moved(mut state: State, there: &Vec3) -> State {
 }
 
 impl Solver {
-    /// Where the state is a long plectoneme that nothing holds or moves: one whose ends are at rest, with the contact
+    /// Where a state of the only rod is a long plectoneme that nothing holds: one whose ends are at rest, with the contact
     /// offsets that hold them there. None where it is not, or where the short rod does not converge. Iterations on
     /// the short rod are added to `elsewhere`.
-    pub(in crate::solve::load_step) fn periodic_extension(
-        &mut self,
-        drive: &PrescribedMotion,
-        elsewhere: &mut usize,
-    ) -> Option<Guess> {
-        let still = drive.nodes.is_empty() && drive.seams.iter().all(|angle| *angle == 0.0);
-        if !(still && self.augments()) {
-            return None;
-        }
-        let Lengthened { guess, iterations, timings } = TURNS.iter().find_map(|turns| self.lengthened_from(*turns))?;
+    pub(super) fn periodic_extension(&mut self, whole: &State, elsewhere: &mut usize) -> Option<Guess> {
+        let found = TURNS.iter().find_map(|turns| self.lengthened_from(whole, *turns));
+        let Lengthened { guess, iterations, timings } = found?;
         *elsewhere += iterations;
         self.workspace.timings += timings;
         Some(guess)
     }
 
-    fn lengthened_from(&self, turns: f64) -> Option<Lengthened> {
+    fn lengthened_from(&self, whole: &State, turns: f64) -> Option<Lengthened> {
         let rod = self.free_uniform_ring()?;
-        let cut = self.cut(rod, turns)?;
-        let mut short = self.shortened(rod, &cut)?;
+        let cut = self.cut((rod, whole), turns)?;
+        let mut short = self.shortened((rod, whole), &cut)?;
         let mut iterations = short.comes_to_rest(&PrescribedMotion::default(), &Ahead::Unknown)?;
         for _ in 0..SMOOTHINGS {
             short.smooth_pressures();
             iterations += short.comes_to_rest(&PrescribedMotion::default(), &Ahead::Present)?;
         }
-        let wanted = self.engine.state.seams[0] / TAU;
+        let wanted = whole.seams[0] / TAU;
         // links of the long rod per link of the short one, a secant's slope from the second round on
         let mut slope = 1.0 + 2.0 * cut.elements as f64 / cut.left as f64;
         let mut before: Option<[f64; 2]> = None;
@@ -134,7 +127,7 @@ impl Solver {
             let missing = wanted - long.seams[0] / TAU;
             if missing.abs() <= SAME_LINK {
                 let made = origins(&helix, state.positions.len(), cut.elements as isize);
-                return self.in_contact_as(&short, long, &made, iterations);
+                return self.in_contact_as(&short, (whole, long), &made, iterations);
             }
             if let Some([link_before, missing_before]) = before {
                 slope = (missing_before - missing) / (link - link_before);
@@ -148,7 +141,7 @@ impl Solver {
 
     /// The only rod, if it is a uniform ring that nothing but its own contact holds, and no offsets of contact are
     /// known.
-    fn free_uniform_ring(&self) -> Option<&Rod> {
+    pub(super) fn free_uniform_ring(&self) -> Option<&Rod> {
         let (model, state) = (&self.engine.model, &self.engine.state);
         let side = self.engine.contact.as_ref()?;
         let [rod] = &model.rods[..] else { return None };
@@ -161,11 +154,10 @@ impl Solver {
 
     /// The cut that leaves so many turns and the end loops; `None` unless at least half of the rod is cut out, because
     /// less is not worth it.
-    fn cut(&self, rod: &Rod, turns: f64) -> Option<Cut> {
+    fn cut(&self, (rod, whole): (&Rod, &State), turns: f64) -> Option<Cut> {
         let side = self.engine.contact.as_ref()?;
         let (order, elements) = (rod.order, rod.num_elements);
-        let pitch =
-            Screw::measure(&self.engine.state, order, [elements / 4 * order, (elements - elements / 4) * order], 1)?;
+        let pitch = Screw::measure(whole, order, [elements / 4 * order, (elements - elements / 4) * order], 1)?;
         let per_turn = TAU / pitch.angle;
         let loops = LOOPS * 2.0 * side.min_radius * elements as f64 / rod.length;
         let left = (2.0 * turns * per_turn + loops).ceil() as usize;
@@ -177,12 +169,12 @@ impl Solver {
     }
 
     /// The short rod; `None` where the long one is not the short one with elements put in: it is not uniform.
-    fn shortened(&self, rod: &Rod, cut: &Cut) -> Option<Self> {
-        let (state, by) = (&self.engine.state, cut.elements as isize);
-        let helix = cut.double_helix(state)?;
-        let start = changed(state, &helix, -by);
+    fn shortened(&self, (rod, whole): (&Rod, &State), cut: &Cut) -> Option<Self> {
+        let by = cut.elements as isize;
+        let helix = cut.double_helix(whole)?;
+        let start = changed(whole, &helix, -by);
         let again = changed(&start, &DoubleHelix { middle: [cut.at, start.positions.len() - cut.at], ..helix }, by);
-        is_same(&again, state, rod.spacing()).then(|| self.solver_of(&start, rod).ok())?
+        is_same(&again, whole, rod.spacing()).then(|| self.solver_of(&start, rod).ok())?
     }
 
     /// The long rod made of a state of the short one, with the link of its own shape.
@@ -195,14 +187,19 @@ impl Solver {
 
     /// The long rod `made` of the short one, moved to where it was and twisted to its own link, with the short one's
     /// contact.
-    fn in_contact_as(&self, short: &Self, long: State, made: &[NodeOrigin], iterations: usize) -> Option<Lengthened> {
-        let before = &self.engine.state;
+    fn in_contact_as(
+        &self,
+        short: &Self,
+        (before, long): (&State, State),
+        made: &[NodeOrigin],
+        iterations: usize,
+    ) -> Option<Lengthened> {
         let mut long = moved(long, &centre(before));
         let angle = before.seams[0] - long.seams[0];
         twist(&self.engine, &mut long, 0, angle);
         let side = short.engine.contact.as_ref()?;
         let offsets = side.offsets.moved(made.iter().map(|origin| origin.node as usize));
-        let contact = Some(LawInForce { law: side.law, offsets, before: None });
+        let contact = ContactOfGuess::Known(LawInForce { law: side.law, offsets, before: None });
         Some(Lengthened { guess: Guess { contact, ..Guess::of(long) }, iterations, timings: short.workspace.timings })
     }
 
@@ -284,7 +281,8 @@ mod tests {
     fn what_is_not_uniform_is_left_alone() {
         let mut solver = plectoneme(900, 0.3);
         solver.engine.state.positions[3 * 250] += Vec3::new(0.0, 0.01, 0.0);
-        assert!(solver.periodic_extension(&PrescribedMotion::default(), &mut 0).is_none());
+        let bent = solver.engine.state.clone();
+        assert!(solver.periodic_extension(&bent, &mut 0).is_none());
     }
 
     /// Work per length² that strands do against each other while they slide along each other by unit length (K v · v

@@ -56,7 +56,7 @@ impl Solver {
     }
 
     /// Whether a state has unstable directions.
-    fn is_unstable(&mut self, state: &State) -> Option<bool> {
+    pub(super) fn is_unstable(&mut self, state: &State) -> Option<bool> {
         let before = std::mem::replace(&mut self.engine.state, state.clone());
         let unstable = self.workspace.count_unstable(&mut self.engine);
         self.engine.state = before;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::rod::{RodMesh, Section, Shape};
 use crate::scene::{Model, NodeLoad, NodeRef, Support};
-use crate::solve::load_step::guess::Ahead;
+use crate::solve::load_step::guess::{Ahead, ContactOfGuess};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Origin, Status};
 use crate::solve::options::Options;
@@ -124,7 +124,8 @@ fn predictions_are_nearly_at_rest() {
         assert_eq!((state.frames[0], state.frames[last]), (to.frames[0], to.frames[last]));
         assert_eq!(state.positions[0], to.positions[0]);
         assert!(state.positions[last].yz().norm() < 1e-9, "{}", state.positions[last]);
-        solver.engine.contact.as_mut().unwrap().offsets = contact.unwrap().offsets;
+        let ContactOfGuess::Known(contact) = contact else { panic!("nothing known of contact") };
+        solver.engine.contact.as_mut().unwrap().offsets = contact.offsets;
         let predicted = potential(&mut solver, &state);
         assert_eq!(solver.solve_step(&drive).status, Status::Converged);
         let [scale, rest] = energies(&solver);
