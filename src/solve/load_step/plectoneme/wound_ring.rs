@@ -80,7 +80,7 @@ mod tests {
         solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum()
     }
 
-    /// Either way round, the plectoneme has the link asked for, no more energy than the state that the long way leads
+    /// Either way round, the plectoneme has the prescribed link, no more energy than the state that the long way leads
     /// to, and lies where the ring was, for a small part of the iterations.
     #[test]
     fn rings_snap_into_plectonemes() {
