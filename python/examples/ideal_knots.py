@@ -1,7 +1,7 @@
 """Prime knots pulled tight: length over diameter beside the published values (KnotInfo).
 
 A closed rod thickens until its tube is 1 % short of the ideal knot's. Whether it arrives there is the question: a knot that jams in
-another shape does not, and from a closed braid ten of 35 do not arrive. So a chain of beads that repel each other looks for a shape
+another shape does not, and from a closed braid eight of 35 do not arrive. So a chain of beads that repel each other looks for a shape
 to begin with: 100 times it is pulled at random and let go, and the best shape is kept. What counts is the tightest state of the rod
 that is at rest and passes all checks. The published lengths are over the radius; half of that is the ropelength here.
 
@@ -140,7 +140,7 @@ def start(word: list[int], ideal: float) -> Floats:
     random = np.random.default_rng(0)
     braid = closed_braid(word)
     around = np.sum(np.linalg.norm(np.roll(braid, -1, axis=0) - braid, axis=1))
-    # the second of two braids, whose strands would be nearer to each other than the beads
+    # the second for two braids of five strands: else these are nearer to each other than the beads are
     beads = round(max(BEADS_A_DIAMETER * ideal, 1.11 * around))
     best = even(braid, beads)
     lowest = np.inf
