@@ -1,9 +1,10 @@
 """Prime knots pulled tight: length over diameter beside the published values (KnotInfo).
 
 A closed rod thickens until its tube is 1 % short of the ideal knot's. Whether it arrives there is the question: a knot that jams in
-another shape does not, and from a closed braid eight of 35 do not arrive. So a chain of beads that repel each other looks for a shape
-to begin with: 100 times it is pulled at random and let go, and the best shape is kept. What counts is the tightest state of the rod
-that is at rest and passes all checks. The published lengths are over the radius; half of that is the ropelength here.
+another shape does not, and from a closed braid eight of 35 do not arrive. So a chain of beads that repel each other looks for
+a shape to begin with: 100 times it is pulled at random and let go, and the best shape is kept. What counts is the tightest
+state of the rod that is at rest and passes all checks. The published lengths are over the radius; half of that is the
+ropelength here.
 
     pip install database-knotinfo
     python ideal_knots.py [NAME ...]        # by default all of three to eight crossings: an hour
@@ -20,11 +21,11 @@ from supercoil import Result, Rod, Scene, Stage
 
 Floats = NDArray[np.float64]
 
-#: How far from the published thickness the ramps end, the fast one and the slow one. Nearer the strands, all at the limit, no longer
-#: settle.
+#: How far from the published thickness the ramps end, the fast one and the slow one. Nearer the strands, all at the limit, no
+#: longer settle.
 SHORT_OF_IDEAL = (0.03, 0.01)
-#: Steps of the fast ramp, and of the slow one: the second number is for knots that do not arrive with the first. More steps find more
-#: states that pass all checks.
+#: Steps of the fast ramp, and of the slow one: the second number is for knots that do not arrive with the first. More steps find
+#: more states that pass all checks.
 FAST_STEPS, SLOW_STEPS = 4, (8, 20)
 #: Where a knot has arrived, over the published length.
 ARRIVED = 1.015
@@ -42,8 +43,8 @@ PULLS = 100
 #: Powers of the repulsion, one after the other, and steps of descent with each.
 POWERS = (4, 8, 16, 32)
 DESCENT = 150
-#: Smallest distance of beads of two strands, over that of neighbouring beads, and largest step, over the smallest distance d. Bonds are
-#: at least sqrt(d^2 - 1/2) apart, more than two steps: so no strand passes through another.
+#: Smallest distance of beads of two strands, over that of neighbouring beads, and largest step, over the smallest distance d.
+#: Bonds are at least sqrt(d^2 - 1/2) apart, more than two of the longest steps, so no strand passes through another.
 CLOSEST, LARGEST_STEP = 0.8, 0.2
 #: Waves along the chain move alike up to this number, the shorter ones less: else these limit the steps.
 SMOOTH = 5
