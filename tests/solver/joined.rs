@@ -20,7 +20,7 @@ use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 
 use supercoil::observe::observe;
 use supercoil::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Pose, PosePath, Ramp, Stage, Support};
-use supercoil::solve::{Options, Solver, Status, run};
+use supercoil::solve::{FollowOptions, Options, Solver, Status, run};
 
 const STEPS: [usize; 5] = [1, 2, 3, 5, 6];
 
@@ -185,8 +185,8 @@ fn a_joint_is_moved_like_a_node_of_a_rod() {
     }
 }
 
-/// A pin that is displaced takes both rods along; what turns one of them leaves the other alone. Nodes brought to a pose
-/// take joined rods along.
+/// A pin that is displaced takes both rods along; what turns one of them leaves the other alone. A rigid joint turns with
+/// either. Nodes brought to a pose take joined ones along. The certificate holds.
 #[test]
 fn pins_and_poses_move() {
     let halves = vec![line("a", Vec3::zeros(), Vec3::x()), line("b", Vec3::x(), Vec3::y())];
@@ -194,8 +194,8 @@ fn pins_and_poses_move() {
     let supports = [node(0, 0), a, end].map(Support::clamp).to_vec();
     let rigid = Model { supports, loads: vec![], ..model(halves, &[[a, b]], Vec3::zeros()) };
     let pinned = Model { joints: vec![Joint::pin(a, b)], ..rigid.clone() };
-    let run = |model: &Model, ramp: Ramp| {
-        let stages = [Stage { ramps: vec![ramp], steps: 3 }];
+    let run = |model: &Model, ramps: &[Ramp]| {
+        let stages: Vec<Stage> = ramps.iter().map(|ramp| Stage { ramps: vec![ramp.clone()], steps: 3 }).collect();
         let mut seen = None;
         let ended = run(model.clone(), &stages, &Options::default(), &mut |progress| {
             seen = Some(observe(progress));
@@ -208,16 +208,26 @@ fn pins_and_poses_move() {
     let (by, axis) = (Vec3::new(0.1, -0.1, 0.2), Vec3::z());
     for model in [&rigid, &pinned] {
         let before = [a, b].map(|at| model.rods[at.rod].frames[at.node]);
-        let displaced = run(model, Ramp::Displacement { node: b, to: by });
+        // the way counts from the start, whichever rod names it
+        let displaced = run(model, &[a, b].map(|node| Ramp::Displacement { node, to: by }));
         displaced.iter().for_each(|(r, _)| assert!((r - Vec3::x() - by).norm() < 1e-12, "{r}"));
-        let turned = run(model, Ramp::Rotation { node: a, axis, to: 0.05 });
+        let turned = run(model, &[Ramp::Rotation { node: a, axis, to: 0.05 }]);
         let angles: Vec<f64> = turned.iter().zip(&before).map(|((_, q), given)| q.angle_to(given)).collect();
         assert!((angles[0] - 0.05 * TAU).abs() < 1e-12, "{angles:?}");
         assert_eq!((angles[1] - angles[0]).abs() < 1e-12, std::ptr::eq(model, &rigid), "{angles:?}");
+        if std::ptr::eq(model, &rigid) {
+            let again = run(model, &[(a, 0.05), (b, 0.03)].map(|(node, to)| Ramp::Rotation { node, axis, to }));
+            let angle = again[0].1.angle_to(&before[0]);
+            assert!((angle - 0.03 * TAU).abs() < 1e-12, "{angle}");
+        }
+        let mut solver = Solver::new((*model).clone(), Options::default()).unwrap();
+        let along = Ramp::Displacement { node: b, to: by };
+        let refused = solver.follow(&along, &FollowOptions::default(), &mut |_| ControlFlow::Continue(())).unwrap_err();
+        assert!(refused.to_string().contains("moves joined nodes"), "{refused}");
         let frame = Quat::from_scaled_axis(axis * 0.4) * before[0];
         let (path, half_turn) = (PosePath::Straight, Vec3::zeros());
         let pose = Pose { position: Some(Vec3::x() + by), frame: Some(frame), path, turns: None, half_turn };
-        let [(r, q), (s, _)] = run(model, Ramp::Pose { node: a, pose });
+        let [(r, q), (s, _)] = run(model, &[Ramp::Pose { node: a, pose }]);
         assert!((r - Vec3::x() - by).norm() < 1e-12 && r == s && q.angle_to(&frame) < 1e-12, "{r} {s}");
     }
 }

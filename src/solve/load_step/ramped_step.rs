@@ -149,13 +149,20 @@ impl Solver {
         }
     }
 
-    fn turns_left(&self, node: usize, to: f64) -> f64 {
-        to - self.moved.turned.get(&node).copied().unwrap_or(0.0)
+    /// Turns of a node by ramps so far; joined nodes that turn as one are one.
+    fn turned(&self, node: usize) -> f64 {
+        let [.., turning] = self.engine.sharing.owner[node];
+        self.moved.turned.get(&turning).copied().unwrap_or(0.0)
     }
 
-    /// Displacement \[L\] of a node by ramps so far.
+    fn turns_left(&self, node: usize, to: f64) -> f64 {
+        to - self.turned(node)
+    }
+
+    /// Displacement \[L\] of a node by ramps so far; joined nodes are one.
     fn displaced(&self, node: usize) -> Vec3 {
-        self.moved.displaced.get(&node).copied().unwrap_or_default()
+        let [place, ..] = self.engine.sharing.owner[node];
+        self.moved.displaced.get(&place).copied().unwrap_or_default()
     }
 
     /// A node relative to a point of the axis it is turned about \[L\]; the axis moves with the node's displacements.
@@ -167,8 +174,7 @@ impl Solver {
     /// The way from where a node is to a pose.
     fn remaining_path(&self, node: usize, pose: &Pose) -> RemainingPath {
         let state = &self.engine.state;
-        let turned = self.moved.turned.get(&node).copied().unwrap_or(0.0);
-        pose.remaining_path(&state.positions[node], &state.remainders[node], &state.frames[node], turned)
+        pose.remaining_path(&state.positions[node], &state.remainders[node], &state.frames[node], self.turned(node))
     }
 
     /// Turns by which the ramps will carry a node round an axis or to a pose, at most.
@@ -192,6 +198,8 @@ impl Solver {
         let state = &self.engine.state;
         let between = |now: f64, to: f64| now + (to - now) * take;
         let node_of = |n: &NodeRef| self.engine.first_node[n.rod] + n.node;
+        // joined nodes move as one, which is called by its first
+        let owner = |n: &NodeRef| self.engine.sharing.owner[node_of(n)];
         for ramp in ramps {
             match ramp {
                 Ramp::ExcessLink { rod, to } => {
@@ -201,18 +209,18 @@ impl Solver {
                     seams[*rod] = (link * TAU - state.seams[*rod]) * take;
                 }
                 Ramp::Rotation { node, axis, to } => {
-                    let node = node_of(node);
+                    let [.., node] = owner(node);
                     let change = self.turns_left(node, *to) * take;
                     target.rotate(node, change, Vec3::zeros(), unit(axis) * (change * TAU));
                 }
                 Ramp::RotationAbout { node, axis, through, to } => {
-                    let node = node_of(node);
+                    let [.., node] = owner(node);
                     let change = self.turns_left(node, *to) * take;
                     let (vector, arm) = (unit(axis) * (change * TAU), self.arm(node, through));
                     target.rotate(node, change, exp(&vector) * arm - arm, vector);
                 }
                 Ramp::Displacement { node, to } => {
-                    let node = node_of(node);
+                    let [node, ..] = owner(node);
                     let change = (to - self.displaced(node)) * take;
                     target.drive.nodes.push((node, change, Vec3::zeros()));
                     target.displaced.push((node, change));

@@ -37,7 +37,8 @@ impl Parameter {
     /// The ramp seen from the solver's present state.
     ///
     /// # Errors
-    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`] or a [`Ramp::Pose`]; a model with obstacles.
+    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`] or a [`Ramp::Pose`]; joined nodes that move; a model
+    /// with obstacles.
     pub(super) fn new(solver: &Solver, ramp: &Ramp) -> Result<Self, InputError> {
         if !solver.engine.model.obstacles.is_empty() {
             let reason =
@@ -46,6 +47,13 @@ impl Parameter {
         }
         let state = &solver.engine.state;
         let index = |n: &crate::scene::NodeRef| solver.engine.first_node[n.rod] + n.node;
+        if let Ramp::Rotation { node, .. } | Ramp::Displacement { node, .. } = ramp {
+            let moved = solver.engine.with_joined(&[(index(node), Vec3::zeros(), Vec3::zeros())]);
+            if moved.len() > 1 {
+                let reason = "moves joined nodes, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
+                return Err(InputError::Inconsistent { field: "ramp".to_owned(), reason });
+            }
+        }
         let (quantity, start, target) = match ramp {
             Ramp::Load { to } => (PrescribedQuantity::Load, state.load_factor, *to),
             Ramp::Pressure { rod, to } => (PrescribedQuantity::Pressure(*rod), state.pressures[*rod], *to),
