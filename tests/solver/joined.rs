@@ -155,6 +155,9 @@ fn a_joined_ring_is_wound() {
     }
 }
 
+/// A ramp of a node, by a part of its way, a displacement and an axis.
+type Moves = fn(NodeRef, f64, [Vec3; 2]) -> Ramp;
+
 /// A joint that stages move, held and named by either of its nodes, is a node of the whole rod, whose ends are clamped.
 #[test]
 fn a_joint_is_moved_like_a_node_of_a_rod() {
@@ -166,7 +169,7 @@ fn a_joint_is_moved_like_a_node_of_a_rod() {
         Model { supports, loads: vec![], ..model(rods, joints, Vec3::zeros()) }
     };
     let (aside, axis) = (Vec3::new(-0.05, 0.2, 0.1), Vec3::new(0.2, 0.1, 1.0));
-    let ramps: [fn(NodeRef, f64, [Vec3; 2]) -> Ramp; 4] = [
+    let ramps: [Moves; 4] = [
         |node, part, [aside, _]| Ramp::Displacement { node, to: aside * part },
         |node, part, [_, axis]| Ramp::Rotation { node, axis, to: 0.1 * part },
         // about the rods' own tangent, too
