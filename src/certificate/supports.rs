@@ -134,7 +134,7 @@ struct Due {
 
 impl Due {
     /// Of a node after a fraction of a stage; `None` where that is not known: the node was held on the way of another run, or
-    /// is joined to one that is brought to a pose.
+    /// is joined to one that is brought to a pose, or pinned to one that is carried round an axis.
     fn of(given: &Given, node: NodeRef, stage: usize, fraction: f64) -> Option<Self> {
         let rod = given.model.rods.get(node.rod)?;
         let (position, frame) = (*rod.positions.get(node.node)?, *rod.frames.get(node.node)?);
@@ -182,6 +182,9 @@ impl Due {
                     self.turn(axis, (to - self.turned) * part)
                 }
                 Ramp::RotationAbout { node: at, axis, through, to } if joined.contains(at) => {
+                    if !turning.contains(at) {
+                        return None;
+                    }
                     let turns = (to - self.turned) * part;
                     let by = exp(&(axis.normalize() * (TAU * turns)));
                     // the axis moves with the displacements of the node

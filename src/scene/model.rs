@@ -318,7 +318,7 @@ pub enum Ramp {
         /// Total angle turned at the end of the stage since the start of the run, turns.
         to: f64,
     },
-    /// Moves a node (whose position a support fixes) along a straight line.
+    /// Moves a node (whose position a support fixes) along a straight line, and the nodes that are joined to it.
     Displacement {
         /// The supported node.
         node: NodeRef,

@@ -209,6 +209,9 @@ fn pins_and_poses_move() {
         [a, b].map(|at| place(&solver, at))
     };
     let (by, axis) = (Vec3::new(0.1, -0.1, 0.2), Vec3::z());
+    let hinged = Model { joints: vec![Joint::hinge(a, b, axis)], ..rigid.clone() };
+    let moved = run(&hinged, &[a, b].map(|node| Ramp::Displacement { node, to: by }));
+    moved.iter().for_each(|(r, _)| assert!((r - Vec3::x() - by).norm() < 1e-12, "{r}"));
     for model in [&rigid, &pinned] {
         let before = [a, b].map(|at| model.rods[at.rod].frames[at.node]);
         // the way counts from the start, whichever rod names it

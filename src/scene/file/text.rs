@@ -117,7 +117,7 @@ pub(super) struct SupportText {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JointText {
-    /// One node.
+    /// One node. A stage that moves either node moves both; hinges are not turned.
     #[serde(deserialize_with = "table")]
     #[schemars(extend("x-allowed" = "at one place with `b`"))]
     pub a: EndText,
