@@ -140,7 +140,7 @@ mod tests {
     use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::{Contact, Joint, JointKind, Model, NodeRef, Support};
     use crate::solve::problem::assembly::Tangent;
-    use crate::solve::problem::prescribed_motion::PrescribedMotion;
+    use crate::solve::problem::prescribed_motion::{PrescribedMotion, lifted};
     use crate::solve::problem::reduction::Reduction;
 
     /// Three rods at angles, joined at the origin; the first is clamped at its other end.
@@ -174,6 +174,18 @@ mod tests {
         }
         assert!(after.chord(12, 14).norm() > 0.1);
         engine.check_joined(&after).unwrap();
+    }
+
+    /// A joint that turns about the tangent of one of its rods turns all of them: no frames are spun beforehand.
+    #[test]
+    fn a_joint_is_not_spun_with_one_rod() {
+        let engine = star([JointKind::Rigid; 2]);
+        let nodes = engine.with_joined(&[(13, Vec3::zeros(), Vec3::x() * 0.3)]);
+        assert!(nodes.iter().map(|motion| motion.0).eq([12, 13, 26]) && nodes.iter().all(|n| n.2 == nodes[0].2));
+        let drive = PrescribedMotion { nodes, seams: Vec::new() };
+        let made = lifted(&engine, &engine.state, &drive);
+        engine.check_joined(&made.state).unwrap();
+        assert!(made.spun.is_empty() && made.drive == drive);
     }
 
     fn hinge() -> JointKind {
