@@ -212,6 +212,10 @@ fn pins_and_poses_move() {
     let hinged = Model { joints: vec![Joint::hinge(a, b, axis)], ..rigid.clone() };
     let moved = run(&hinged, &[a, b].map(|node| Ramp::Displacement { node, to: by }));
     moved.iter().for_each(|(r, _)| assert!((r - Vec3::x() - by).norm() < 1e-12, "{r}"));
+    // what holds the other rod at a pin is not turned
+    let mut both_held = pinned.clone();
+    both_held.supports.push(Support::clamp(b));
+    run(&both_held, &[Ramp::Rotation { node: a, axis, to: 0.05 }]);
     for model in [&rigid, &pinned] {
         let before = [a, b].map(|at| model.rods[at.rod].frames[at.node]);
         // the way counts from the start, whichever rod names it
