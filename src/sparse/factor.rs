@@ -15,6 +15,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
 use crate::error::SolveError;
+use crate::sparse::ordering::Adjacency;
 use crate::sparse::{NodeGraph, Pattern};
 
 /// Signs of the eigenvalues of a factorised matrix (Sylvester).
@@ -58,8 +59,9 @@ fn ordered(graph: NodeGraph) -> Result<Pattern, SolveError> {
     amd::order_maybe_unsorted(&mut order, &mut inverse, matrix, Default::default(), stack)
         .map_err(|e| failed(format!("{e:?}")))?;
     let by_degree = graph.nodes_of(&order);
-    let end_to_end = graph.end_to_end();
-    let is_worth = graph.operations(&end_to_end) <= WORTH * graph.operations(&by_degree);
+    let adjacency = Adjacency::new(&graph);
+    let end_to_end = adjacency.end_to_end();
+    let is_worth = adjacency.operations(&end_to_end) <= WORTH * adjacency.operations(&by_degree);
     Ok(graph.ordered(if is_worth { end_to_end } else { by_degree }))
 }
 

@@ -2,16 +2,23 @@
 //!
 //! Approximate minimum degree looks at one node after the other. Rods that lie side by side, bundles and cables, are
 //! long: eliminated from one end to the other their front is as wide as a cross-section, which no local rule sees.
-//! Reverse Cuthill–McKee (Cuthill & McKee 1969, George 1971) sees nothing else. On ladders both cost the same, on
-//! tangles and nets the first costs less. So both are made, and their operations are counted.
+//! Reverse Cuthill–McKee (Cuthill & McKee 1969, George 1971) sees nothing else. On ladders both cost the same;
+//! where rods cross in all directions a cross-section is wide. So both are made, and their operations are counted.
 
 use crate::sparse::NodeGraph;
 
-impl NodeGraph {
-    /// Neighbours of each node, itself left out: where those of each begin, and all of them.
-    fn neighbours(&self) -> (Vec<u32>, Vec<u32>) {
-        let couplings = || self.pairs().iter().filter(|(a, b)| a != b);
-        let mut first = vec![0u32; self.num_nodes() + 1];
+/// Neighbours of each node of a graph, itself left out.
+pub(super) struct Adjacency<'a> {
+    graph: &'a NodeGraph,
+    /// Where those of each node begin.
+    first: Vec<u32>,
+    all: Vec<u32>,
+}
+
+impl<'a> Adjacency<'a> {
+    pub(super) fn new(graph: &'a NodeGraph) -> Self {
+        let couplings = || graph.pairs().iter().filter(|(a, b)| a != b);
+        let mut first = vec![0u32; graph.num_nodes() + 1];
         couplings().flat_map(|&(a, b)| [a, b]).for_each(|node| first[node as usize + 1] += 1);
         (1..first.len()).for_each(|k| first[k] += first[k - 1]);
         let (mut next, mut all) = (first.clone(), vec![0; 2 * couplings().count()]);
@@ -19,25 +26,28 @@ impl NodeGraph {
             all[next[node as usize] as usize] = other;
             next[node as usize] += 1;
         }
-        (first, all)
+        Self { graph, first, all }
+    }
+
+    fn of(&self, node: u32) -> &[u32] {
+        &self.all[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
     }
 
     /// The nodes of each connected part from one end to the other: reverse Cuthill–McKee.
     pub(super) fn end_to_end(&self) -> Vec<u32> {
-        let (first, all) = self.neighbours();
-        let of = |node: u32| &all[first[node as usize] as usize..first[node as usize + 1] as usize];
-        let (mut order, mut is_placed) = (Vec::with_capacity(self.num_nodes()), vec![false; self.num_nodes()]);
+        let num_nodes = self.graph.num_nodes();
+        let (mut order, mut is_placed) = (Vec::with_capacity(num_nodes), vec![false; num_nodes]);
         // the round in which a node was met; rounds of different searches differ
-        let mut met = vec![0u32; self.num_nodes()];
+        let mut met = vec![0u32; num_nodes];
         let mut round = 0;
-        for node in 0..self.num_nodes() as u32 {
+        for node in 0..num_nodes as u32 {
             if is_placed[node as usize] {
                 continue;
             }
             let (mut end, mut depth) = (node, 0);
             let swept = loop {
                 round += 1;
-                let (swept, deep) = by_distance(end, &of, &mut met, round);
+                let (swept, deep) = self.by_distance(end, &mut met, round);
                 // from an end of a part no node is farther than from the other end
                 if deep <= depth && depth > 0 || swept.len() == 1 {
                     break swept;
@@ -53,7 +63,6 @@ impl NodeGraph {
 
     /// Multiplications of a factorisation with the nodes in an order of elimination, but for a common factor.
     pub(super) fn operations(&self, order: &[u32]) -> f64 {
-        let (first, all) = self.neighbours();
         let mut place = vec![0u32; order.len()];
         order.iter().zip(0..).for_each(|(&node, at)| place[node as usize] = at);
         // below the diagonal of a column: the places of the rows; those of eliminated columns are with their parents
@@ -62,13 +71,12 @@ impl NodeGraph {
         let mut met = vec![u32::MAX; order.len()];
         let mut sum = 0.0;
         for (&node, at) in order.iter().zip(0u32..) {
-            let couplings = &all[first[node as usize] as usize..first[node as usize + 1] as usize];
-            let mut below: Vec<u32> = couplings.iter().map(|&other| place[other as usize]).collect();
+            let mut below: Vec<u32> = self.of(node).iter().map(|&other| place[other as usize]).collect();
             for child in std::mem::take(&mut children[at as usize]) {
                 below.append(&mut rows[child as usize]);
             }
             below.retain(|&row| row > at && std::mem::replace(&mut met[row as usize], at) != at);
-            let width = |place: u32| f64::from(self.num_free(order[place as usize]));
+            let width = |place: u32| f64::from(self.graph.num_free(order[place as usize]));
             let own = width(at);
             let front = own + below.iter().map(|&row| width(row)).sum::<f64>();
             sum += own * front * front;
@@ -79,24 +87,24 @@ impl NodeGraph {
         }
         sum
     }
-}
 
-/// The nodes connected with one by their distance from it, neighbours of the same node by how many they have; and the
-/// largest distance.
-fn by_distance<'a>(from: u32, of: &impl Fn(u32) -> &'a [u32], met: &mut [u32], round: u32) -> (Vec<u32>, usize) {
-    let (mut swept, mut from, mut depth) = (vec![from], 0, 0);
-    met[swept[0] as usize] = round;
-    while from < swept.len() {
-        let level = from..swept.len();
-        for k in level.clone() {
-            let first = swept.len();
-            let neighbours = of(swept[k]).iter().copied();
-            swept.extend(neighbours.filter(|&node| std::mem::replace(&mut met[node as usize], round) != round));
-            swept[first..].sort_by_key(|&node| of(node).len());
+    /// The nodes connected with one by their distance from it, neighbours of the same node by how many they have; and the
+    /// largest distance. `met` holds the round in which a node was met last.
+    fn by_distance(&self, start: u32, met: &mut [u32], round: u32) -> (Vec<u32>, usize) {
+        let (mut swept, mut from, mut depth) = (vec![start], 0, 0);
+        met[start as usize] = round;
+        while from < swept.len() {
+            let level = from..swept.len();
+            for k in level.clone() {
+                let first = swept.len();
+                let neighbours = self.of(swept[k]).iter().copied();
+                swept.extend(neighbours.filter(|&node| std::mem::replace(&mut met[node as usize], round) != round));
+                swept[first..].sort_by_key(|&node| self.of(node).len());
+            }
+            (from, depth) = (level.end, depth + 1);
         }
-        (from, depth) = (level.end, depth + 1);
+        (swept, depth)
     }
-    (swept, depth)
 }
 
 #[cfg(test)]
@@ -117,15 +125,16 @@ mod tests {
     fn bundles_are_eliminated_from_end_to_end() {
         let (rods, nodes) = (5, 60);
         let graph = bundle(rods, nodes);
-        let order = graph.end_to_end();
+        let adjacency = Adjacency::new(&graph);
+        let order = adjacency.end_to_end();
         let mut sorted = order.clone();
         sorted.sort_unstable();
         assert!(sorted.into_iter().eq(0..(rods * nodes) as u32), "each node once");
         let front = 6.0 * (rods as f64 + 1.0);
-        let (ours, most) = (graph.operations(&order), (rods * nodes) as f64 * 6.0 * front * front);
+        let (ours, most) = (adjacency.operations(&order), (rods * nodes) as f64 * 6.0 * front * front);
         assert!(ours <= most, "{ours:e} {most:e}");
         let rod_after_rod: Vec<u32> = (0..(rods * nodes) as u32).collect();
-        assert!(graph.operations(&rod_after_rod) > 20.0 * ours);
+        assert!(adjacency.operations(&rod_after_rod) > 20.0 * ours);
     }
 
     /// Parts that nothing connects, and single nodes.
@@ -133,13 +142,14 @@ mod tests {
     fn parts_follow_each_other() {
         let owner: Vec<[usize; 6]> = (0..7).map(|node| [node; 6]).collect();
         let graph = NodeGraph::new(&[[true; 6]; 7], &owner, [(0, 2), (2, 4), (1, 5)].into_iter());
-        let order = graph.end_to_end();
+        let adjacency = Adjacency::new(&graph);
+        let order = adjacency.end_to_end();
         let place = |node: u32| order.iter().position(|n| *n == node).unwrap();
         assert_eq!(order.len(), 7);
         assert_eq!((place(0).abs_diff(place(2)), place(2).abs_diff(place(4)), place(1).abs_diff(place(5))), (1, 1, 1));
         // a chain of three, one of two, and two alone
         let exact = 6.0 * (12.0f64.powi(2) * 3.0 + 6.0f64.powi(2) * 4.0);
-        assert_eq!(graph.operations(&order), exact);
+        assert_eq!(adjacency.operations(&order), exact);
     }
 
     /// The count against the entries of a dense elimination.
@@ -159,6 +169,6 @@ mod tests {
             beside.iter().for_each(|&a| beside.iter().for_each(|&b| is_coupled[a][b] = true));
             exact += 6.0 * (6.0 * (1.0 + beside.len() as f64)).powi(2);
         }
-        assert_eq!(graph.operations(&order), exact);
+        assert_eq!(Adjacency::new(&graph).operations(&order), exact);
     }
 }

@@ -216,6 +216,11 @@ fn pins_and_poses_move() {
     let mut both_held = pinned.clone();
     both_held.supports.push(Support::clamp(b));
     run(&both_held, &[Ramp::Rotation { node: a, axis, to: 0.05 }]);
+    // both rods of a pin at once: one place cannot go to two
+    let round = |node| Ramp::RotationAbout { node, axis, through: Vec3::zeros(), to: 0.1 };
+    let twice = [Stage { ramps: vec![round(a), round(b)], steps: 1 }];
+    let refused = both_held.check_stages(&twice).unwrap_err().to_string();
+    assert!(refused.contains("the same quantity is ramped twice"), "{refused}");
     for model in [&rigid, &pinned] {
         let before = [a, b].map(|at| model.rods[at.rod].frames[at.node]);
         // the way counts from the start, whichever rod names it

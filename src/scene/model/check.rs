@@ -321,13 +321,17 @@ impl Model {
             (Ramp::ExcessLink { rod: a, .. }, Ramp::ExcessLink { rod: b, .. })
             | (Ramp::Pressure { rod: a, .. }, Ramp::Pressure { rod: b, .. }) => a == b,
             (
+                Ramp::Displacement { node: a, .. } | Ramp::Pose { node: a, .. },
+                Ramp::Displacement { node: b, .. } | Ramp::Pose { node: b, .. },
+            )
+            | (
+                Ramp::RotationAbout { node: a, .. } | Ramp::Pose { node: a, .. },
+                Ramp::RotationAbout { node: b, .. } | Ramp::Pose { node: b, .. },
+            ) => self.joined_nodes(*a).contains(b),
+            (
                 Ramp::Rotation { node: a, .. } | Ramp::RotationAbout { node: a, .. } | Ramp::Pose { node: a, .. },
                 Ramp::Rotation { node: b, .. } | Ramp::RotationAbout { node: b, .. } | Ramp::Pose { node: b, .. },
             ) => self.turning_nodes(*a).contains(b),
-            (
-                Ramp::Displacement { node: a, .. } | Ramp::Pose { node: a, .. },
-                Ramp::Displacement { node: b, .. } | Ramp::Pose { node: b, .. },
-            ) => self.joined_nodes(*a).contains(b),
             (Ramp::Load { .. }, Ramp::Load { .. }) => true,
             (Ramp::Obstacle { obstacle: a, which: x, .. }, Ramp::Obstacle { obstacle: b, which: y, .. }) => {
                 (a, x) == (b, y)

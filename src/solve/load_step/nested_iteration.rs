@@ -180,7 +180,7 @@ impl Solver {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::rod::{Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
@@ -195,11 +195,11 @@ mod tests {
         Solver::new(Model { rods: vec![rod], supports, ..Model::default() }, Options::default()).unwrap()
     }
 
-    fn turns(turns: f64) -> PrescribedMotion {
+    pub(in crate::solve::load_step) fn turns(turns: f64) -> PrescribedMotion {
         PrescribedMotion { seams: vec![turns * TAU], ..PrescribedMotion::default() }
     }
 
-    fn energy(solver: &Solver) -> f64 {
+    pub(in crate::solve::load_step) fn energy(solver: &Solver) -> f64 {
         solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum()
     }
 

@@ -58,8 +58,11 @@ impl Solver {
             return Ok(None);
         }
         if drive.seams.iter().all(|angle| *angle == 0.0) {
+            if !is_new {
+                return Ok(None);
+            }
             let whole = self.engine.state.clone();
-            return Ok(if is_new { self.periodic_extension(&whole, elsewhere) } else { None });
+            return Ok(self.periodic_extension(&whole, elsewhere));
         }
         let Some(wound) = self.wound_ring(drive) else { return Ok(None) };
         let turned = lifted(&self.engine, &self.engine.state, drive).state;

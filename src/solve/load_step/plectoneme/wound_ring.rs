@@ -56,6 +56,7 @@ mod tests {
     use crate::rod::{Section, TorusKnot};
     use crate::scene::{Model, NodeRef, Support};
     use crate::solve::load_step::guess::Ahead;
+    use crate::solve::load_step::nested_iteration::tests::{energy, turns};
     use crate::solve::load_step::step_report::{Origin, Status};
     use crate::solve::options::Options;
 
@@ -70,14 +71,6 @@ mod tests {
     fn ring() -> Solver {
         let normal = Vec3::new(0.3, -0.2, 1.0);
         solver(&Shape::Circle { length: 1.0, center: Vec3::new(0.1, 0.2, 0.3), normal }, 0.004, vec![])
-    }
-
-    fn turns(turns: f64) -> PrescribedMotion {
-        PrescribedMotion { seams: vec![turns * TAU], ..PrescribedMotion::default() }
-    }
-
-    fn energy(solver: &Solver) -> f64 {
-        solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum()
     }
 
     /// Either way round, the plectoneme has the prescribed link, no more energy than the state that the long way leads

@@ -48,8 +48,7 @@ impl Parameter {
         let state = &solver.engine.state;
         let index = |n: &crate::scene::NodeRef| solver.engine.first_node[n.rod] + n.node;
         if let Ramp::Rotation { node, .. } | Ramp::Displacement { node, .. } = ramp {
-            let moved = solver.engine.with_joined(&[(index(node), Vec3::zeros(), Vec3::zeros())]);
-            if moved.len() > 1 {
+            if solver.engine.model.joined_nodes(*node).len() > 1 {
                 let reason = "moves joined nodes, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
                 return Err(InputError::Inconsistent { field: "ramp".to_owned(), reason });
             }
