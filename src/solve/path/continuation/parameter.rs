@@ -47,11 +47,11 @@ impl Parameter {
         }
         let state = &solver.engine.state;
         let index = |n: &crate::scene::NodeRef| solver.engine.first_node[n.rod] + n.node;
-        if let Ramp::Rotation { node, .. } | Ramp::Displacement { node, .. } = ramp {
-            if solver.engine.model.joined_nodes(*node).len() > 1 {
-                let reason = "moves joined nodes, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
-                return Err(InputError::Inconsistent { field: "ramp".to_owned(), reason });
-            }
+        if let Ramp::Rotation { node, .. } | Ramp::Displacement { node, .. } = ramp
+            && solver.engine.model.joined_nodes(*node).len() > 1
+        {
+            let reason = "moves joined nodes, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
+            return Err(InputError::Inconsistent { field: "ramp".to_owned(), reason });
         }
         let (quantity, start, target) = match ramp {
             Ramp::Load { to } => (PrescribedQuantity::Load, state.load_factor, *to),
