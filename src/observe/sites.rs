@@ -2,10 +2,10 @@
 //! contacts.
 //!
 //! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*. Pieces
-//!    that the potential subtracts (farthest points between two nearest ones, see [`zones`](crate::contact::zones)) are taken
-//!    from the zones on both sides of them, so that forces of sites sum to those that the rods feel.
-//! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*. Its
-//!    force is the sum over all its zones, because each view carries its share of it.
+//!    that the potential subtracts (farthest points between two nearest ones, see [`zones`](crate::contact::zones)) make the
+//!    zones on both sides of them one *fold*, so that forces of sites sum to those that the rods feel.
+//! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*, and so
+//!    are those of a fold. Its force is the sum over all its zones, because each view carries its share of it.
 //! 3. Sites nearer to each other on both strands than the width of the contact law, or in a row of three or more each
 //!    within an element of the next, are fragments of one; a short and weak one beside a strong one is a ripple of it
 //!    (`fragments`).
@@ -134,8 +134,8 @@ impl Layer {
 
 /// Sites of all terms, sorted by place; `rods` holds the rod of each curve of `set`.
 pub(super) fn sites(set: &CurveSet, terms: &[ContactPair], rods: &[usize], layer: &Layer) -> Vec<SiteReport> {
-    let zones = zones(set, terms);
-    let contacts = contacts(set, &zones, layer);
+    let Composed { zones, folds, .. } = composed(set, terms);
+    let contacts = contacts(set, &zones, &folds, layer);
     let of = |members: &Vec<(usize, bool)>| site(ContactZones { set, zones: &zones, members }, rods, layer).0;
     let mut sites: Vec<SiteReport> = contacts.iter().map(of).collect();
     let strongest = strongest(sites.iter());
@@ -158,8 +158,8 @@ fn strongest<'a>(sites: impl Iterator<Item = &'a SiteReport>) -> f64 {
 }
 
 /// Groups of zones, one for each contact; fragments of a line are in one group.
-fn contacts(set: &CurveSet, zones: &[SiteZone], layer: &Layer) -> Vec<Vec<(usize, bool)>> {
-    fragments::joined(set, zones, views(set, zones), layer)
+fn contacts(set: &CurveSet, zones: &[SiteZone], folds: &[[usize; 2]], layer: &Layer) -> Vec<Vec<(usize, bool)>> {
+    fragments::joined(set, zones, views(set, zones, folds), layer)
 }
 
 fn by_arcs(x: &SiteReport, y: &SiteReport) -> std::cmp::Ordering {
@@ -182,33 +182,31 @@ fn class(zones: &[SiteZone], a: usize, b: usize) -> std::ops::Range<usize> {
     start..zones.partition_point(|z| (z.curve_a, z.curve_b) <= (a, b))
 }
 
-/// A zone and the pieces that it is the sum of, those with a negative force subtracted.
+/// Zones, sorted, and what they are made of.
+#[derive(Default)]
 struct Composed {
-    zone: SiteZone,
-    pieces: Vec<SiteZone>,
+    zones: Vec<SiteZone>,
+    /// For each zone the pieces that it is the sum of, those with a negative force subtracted.
+    pieces: Vec<Vec<SiteZone>>,
+    /// Pairs of zones with a subtracted piece between them.
+    folds: Vec<[usize; 2]>,
 }
 
-/// All zones, sorted.
-fn zones(set: &CurveSet, terms: &[ContactPair]) -> Vec<SiteZone> {
-    composed(set, terms).into_iter().map(|composed| composed.zone).collect()
+fn composed(set: &CurveSet, terms: &[ContactPair]) -> Composed {
+    let mut all: Vec<(SiteZone, Vec<SiteZone>)> = chains(set, terms).iter().map(|chain| zone(set, chain)).collect();
+    all.sort_by(|x, y| order(&x.0, &y.0));
+    let (zones, pieces) = all.into_iter().unzip();
+    let mut composed = Composed { zones, pieces, folds: Vec::new() };
+    composed.subtract(set, terms);
+    composed
 }
 
-/// All zones with their pieces, sorted.
-fn composed(set: &CurveSet, terms: &[ContactPair]) -> Vec<Composed> {
-    let mut all: Vec<Composed> = chains(set, terms).iter().map(|chain| Composed::of(set, chain)).collect();
-    all.sort_by(|x, y| order(&x.zone, &y.zone));
-    subtracted::take_from(set, terms, &mut all);
-    all
-}
-
-impl Composed {
-    /// The zone of a chain of pieces.
-    fn of(set: &CurveSet, chain: &[ChainPiece]) -> Self {
-        let pieces: Vec<SiteZone> = chain.iter().map(|link| piece(set, link)).collect();
-        let mut zone = pieces[0];
-        pieces[1..].iter().for_each(|piece| append(set, &mut zone, piece));
-        Self { zone, pieces }
-    }
+/// The zone of a chain, and its pieces.
+fn zone(set: &CurveSet, chain: &[ChainPiece]) -> (SiteZone, Vec<SiteZone>) {
+    let pieces: Vec<SiteZone> = chain.iter().map(|link| piece(set, link)).collect();
+    let mut zone = pieces[0];
+    pieces[1..].iter().for_each(|piece| append(set, &mut zone, piece));
+    (zone, pieces)
 }
 
 fn piece(set: &CurveSet, link: &ChainPiece) -> SiteZone {
@@ -259,8 +257,13 @@ fn append(set: &CurveSet, zone: &mut SiteZone, piece: &SiteZone) {
 }
 
 /// Groups zones into sites: the indices of its zones, true for those that see it from the other strand than the first.
-fn views(set: &CurveSet, zones: &[SiteZone]) -> Vec<Vec<(usize, bool)>> {
+fn views(set: &CurveSet, zones: &[SiteZone], folds: &[[usize; 2]]) -> Vec<Vec<(usize, bool)>> {
     let places = ByPlace::new(set, zones);
+    let mut folded: Vec<Vec<usize>> = vec![Vec::new(); zones.len()];
+    for &[x, y] in folds {
+        folded[x].push(y);
+        folded[y].push(x);
+    }
     let mut used = vec![false; zones.len()];
     let mut groups = Vec::new();
     for start in 0..zones.len() {
@@ -271,10 +274,11 @@ fn views(set: &CurveSet, zones: &[SiteZone]) -> Vec<Vec<(usize, bool)>> {
         let mut group = vec![(start, false)];
         let mut next = 0;
         while let Some(&(member, flipped)) = group.get(next) {
-            for other in counterparts(set, zones, &places, member) {
+            let others = counterparts(set, zones, &places, member).into_iter().map(|other| (other, !flipped));
+            for (other, turned) in others.chain(folded[member].iter().map(|&other| (other, flipped))) {
                 if !used[other] {
                     used[other] = true;
-                    group.push((other, !flipped));
+                    group.push((other, turned));
                 }
             }
             next += 1;
@@ -342,16 +346,15 @@ impl<'a> ContactZones<'a> {
         self.members.iter().filter(move |m| m.1 == (strand == 1)).map(move |m| &self.zones[m.0])
     }
 
-    /// Arcs on strands a and b.
+    /// Arcs on strands a and b on which it acts: of points and of feet.
     fn arcs(self) -> [[f64; 2]; 2] {
-        let [a, b] = self.curves().map(|curve| self.set.period(curve));
-        // a contact that only strand a sees is placed on strand b by its feet
-        let on_b = if self.members.iter().any(|m| m.1) {
-            hull(self.seen_from(1).map(|z| z.arc_a), b)
-        } else {
-            hull(self.seen_from(0).map(|z| z.arc_b), b)
-        };
-        [hull(self.seen_from(0).map(|z| z.arc_a), a), on_b]
+        [0, 1].map(|strand| {
+            let on = |&(zone, flipped): &(usize, bool)| {
+                let zone = &self.zones[zone];
+                if flipped == (strand == 1) { zone.arc_a } else { zone.arc_b }
+            };
+            hull(self.members.iter().map(on), self.set.period(self.curves()[strand]))
+        })
     }
 
     /// The force that a strand sees.

@@ -10,7 +10,7 @@ use crate::contact::curve::CurveSet;
 use crate::contact::potential::ContactPair;
 use crate::observe::report::{LineSample, SiteKind};
 
-use super::{ContactZones, Layer, SiteZone, composed, contacts, site};
+use super::{Composed, ContactZones, Layer, SiteZone, composed, contacts, site};
 
 /// Samples per width of the smoothing.
 const A_WIDTH: f64 = 2.0;
@@ -34,9 +34,8 @@ pub(in crate::observe) fn lines(
     rods: &[usize],
     layer: &Layer,
 ) -> Vec<LineSample> {
-    let composed = composed(set, terms);
-    let zones: Vec<SiteZone> = composed.iter().map(|composed| composed.zone).collect();
-    let mut found: Vec<_> = contacts(set, &zones, layer)
+    let Composed { zones, pieces, folds } = composed(set, terms);
+    let mut found: Vec<_> = contacts(set, &zones, &folds, layer)
         .into_iter()
         .map(|members| (site(ContactZones { set, zones: &zones, members: &members }, rods, layer), members))
         .collect();
@@ -62,7 +61,7 @@ pub(in crate::observe) fn lines(
         };
         let sources = members
             .iter()
-            .flat_map(|&(member, flipped)| composed[member].pieces.iter().map(move |piece| source(*piece, flipped)));
+            .flat_map(|&(member, flipped)| pieces[member].iter().map(move |piece| source(*piece, flipped)));
         let length = |arc: [f64; 2], period: Option<f64>| {
             if arc[1] >= arc[0] { arc[1] - arc[0] } else { arc[1] - arc[0] + period.unwrap_or(0.0) }
         };

@@ -1,27 +1,38 @@
 //! Pieces of farthest points, which the potential subtracts, as parts of zones.
 //!
 //! Where a strand is bent more tightly than within the contact distance, a point near its centre of curvature has two nearest
-//! points on it and a farthest one between them. The two and the one subtracted push together as one strand does. So the
-//! subtracted piece belongs to the zones on either side of it, whose feet are the next ones along the strand. Left out, one
-//! contact counts as two: a rod kinked by a point force (shear F/GA) had its force reported twice.
+//! points on it and a farthest one between them. The two and the one subtracted push together as one strand does. So the zones
+//! on either side of a subtracted piece, whose feet are the next ones along the strand, are a fold: one contact, which reaches
+//! from one to the other. Left out, a rod kinked by a point force (shear F/GA) had its force reported twice; in shares of two
+//! sites, tight knots had forces at arcs of neither of them.
 
-use super::{Composed, SiteZone, class, piece};
+use super::{CARRIES, Composed, SiteZone, class, piece};
 use crate::contact::arc::{apart, near};
 use crate::contact::chain::subtracted;
 use crate::contact::curve::CurveSet;
 use crate::contact::potential::ContactPair;
 
-/// Takes the subtracted pieces from the sorted zones beside them.
-pub(super) fn take_from(set: &CurveSet, terms: &[ContactPair], all: &mut [Composed]) {
-    let zones: Vec<SiteZone> = all.iter().map(|composed| composed.zone).collect();
-    for link in subtracted(set, terms) {
-        let piece = piece(set, &link);
-        let beside = beside(set, &zones, &piece);
-        // as their forces are, so that none is left with less than none
-        let sum: f64 = beside.iter().map(|&zone| zones[zone].load.force).sum();
-        for &zone in &beside {
-            let share = if sum > 0.0 { zones[zone].load.force / sum } else { 1.0 / beside.len() as f64 };
-            all[zone].add(set, piece.times(share));
+impl Composed {
+    /// Takes the subtracted pieces from the zones beside them, which are folds.
+    pub(super) fn subtract(&mut self, set: &CurveSet, terms: &[ContactPair]) {
+        let zones = self.zones.clone();
+        for link in subtracted(set, terms) {
+            let piece = piece(set, &link);
+            let beside = beside(set, &zones, &piece);
+            // what carries less than is told of sites does not join them
+            let told = |zone: usize| CARRIES * zones[zone].load.force;
+            if let [before, after] = beside[..]
+                && piece.push.norm() > told(before).min(told(after))
+            {
+                self.folds.push([before, after]);
+            }
+            // from the stronger, so that none is left with less than none
+            let stronger = |x: &usize, y: &usize| zones[*x].load.force.total_cmp(&zones[*y].load.force);
+            if let Some(zone) = beside.into_iter().max_by(stronger) {
+                self.zones[zone].add(set, &piece);
+                // a farthest point is no gap
+                self.pieces[zone].push(SiteZone { gap: zones[zone].gap, ..piece });
+            }
         }
     }
 }
@@ -51,26 +62,12 @@ fn beside(set: &CurveSet, zones: &[SiteZone], piece: &SiteZone) -> Vec<usize> {
     before.into_iter().chain(after).collect()
 }
 
-impl Composed {
-    /// Adds a piece that does not lengthen the zone.
-    fn add(&mut self, set: &CurveSet, piece: SiteZone) {
-        let zone = &mut self.zone;
-        let shift = near(piece.load.center, zone.load.center, set.period(zone.curve_a)) - piece.load.center;
-        zone.load = zone.load.with(piece.load, shift);
-        zone.torque += piece.torque_about(&zone.at);
-        zone.push += piece.push;
-        // a farthest point is no gap
-        self.pieces.push(SiteZone { gap: zone.gap, ..piece });
-    }
-}
-
 impl SiteZone {
-    /// The piece with a part of its force.
-    fn times(mut self, share: f64) -> Self {
-        self.load.force *= share;
-        self.load.inertia *= share;
-        self.push *= share;
-        self.torque *= share;
-        self
+    /// Adds a piece that does not lengthen the zone.
+    fn add(&mut self, set: &CurveSet, piece: &Self) {
+        let shift = near(piece.load.center, self.load.center, set.period(self.curve_a)) - piece.load.center;
+        self.load = self.load.with(piece.load, shift);
+        self.torque += piece.torque_about(&self.at);
+        self.push += piece.push;
     }
 }

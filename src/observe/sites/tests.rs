@@ -289,6 +289,7 @@ fn sites_carry_the_force_of_the_rods_in_tight_bends() {
         let told: Vec3 = sites.iter().map(|site| Vec3::from(site.force_on_a)).sum();
         folded += usize::from(is_folded);
         assert!((told - on_a).norm() < 1e-12 * on_a.norm(), "{angle} {lift}: {told:?} {on_a:?}");
+        assert_eq!(sites.len(), 1, "{angle} {lift}: {sites:?}");
     }
     assert!(folded >= 2, "{folded}");
 }
