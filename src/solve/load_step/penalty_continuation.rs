@@ -11,7 +11,7 @@ use crate::contact::law::{Law, shortest_line};
 use crate::error::SolveError;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::contact_side::ContactSide;
+use crate::solve::problem::contact_side::{ContactSide, Touching};
 
 /// Evaluations of the law at lowered offsets, because the second measures the exponent, the third confirms it.
 const ROUNDS: usize = 3;
@@ -73,6 +73,16 @@ impl Solver {
             side.before = Some((law, lowered));
         }
         Ok(())
+    }
+
+    /// What strands touch at in the present state.
+    pub(super) fn touching(&self) -> Touching {
+        let Some(ContactSide { law: Law::Linear { stiffness }, .. }) = self.engine.contact else {
+            return Touching::Lines;
+        };
+        let runs = self.runs(&self.overlaps());
+        let is_point = |run: &ContactRun| run.length <= run.shortest_line / stiffness.powf(0.25);
+        if !runs.is_empty() && runs.iter().all(is_point) { Touching::Points } else { Touching::Lines }
     }
 
     fn set_offsets(&mut self, offsets: ContactField) {
