@@ -7,7 +7,8 @@ use crate::math::Vec3;
 use crate::observe::report::SiteReport;
 use crate::scene::file::ColorBy;
 
-use super::{Record, RecordedFrame, RodHead};
+use crate::io::record::rods::RodHead;
+use crate::io::record::run::{RecordedFrame, RecordedRun, RodSnapshot};
 
 /// Rods of more points than this are thinned out for the film strip.
 const MAX_POINTS: usize = 4096;
@@ -17,7 +18,7 @@ const TOLERANCE: f64 = 1.0 / 2000.0;
 
 /// Data of one picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Still {
+pub(in crate::io::record) struct Still {
     pub step: usize,
     pub rods: Vec<StillRod>,
     /// Contact sites, and the radius of the rod there.
@@ -25,7 +26,7 @@ pub(super) struct Still {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct StillRod {
+pub(in crate::io::record) struct StillRod {
     pub points: Vec<Vec3>,
     /// Radius at each point of a rod along which it varies; empty for other rods.
     pub radii: Vec<f64>,
@@ -35,12 +36,12 @@ pub(super) struct StillRod {
     pub values: Vec<f64>,
 }
 
-impl Record {
+impl Still {
     /// A frame reduced for a picture; `thin` for small pictures.
-    pub(super) fn still(&self, frame: &RecordedFrame, thin: bool) -> Still {
-        let rod = |(index, rod): (usize, &super::RodSnapshot)| {
-            let radii = &self.rods[index].radii;
-            let values = self.values(rod);
+    pub fn of(run: &RecordedRun, frame: &RecordedFrame, thin: bool) -> Self {
+        let rod = |(index, rod): (usize, &RodSnapshot)| {
+            let radii = &run.rods[index].radii;
+            let values = values(rod, run.choice.color_by);
             if thin && rod.positions.len() > MAX_POINTS {
                 let kept = few(&rod.positions);
                 let values = kept.iter().filter_map(|&i| values.get(i).copied()).collect();
@@ -51,36 +52,36 @@ impl Record {
             let directions = rod.frames.iter().map(|q| q * Vec3::x()).collect();
             StillRod { points: rod.positions.clone(), radii: radii.clone(), directions, values }
         };
-        let sites = &self.steps[frame.step].sites;
-        let between = sites.iter().map(|site| (self.place(site, frame), self.radius_in(site.rod_a, site.arc_a, frame)));
-        let on_obstacles = &self.steps[frame.step].obstacle_sites;
+        let heads = run.heads(frame.step);
+        let sites = &run.steps[frame.step].sites;
+        let between = sites.iter().map(|site| (place(site, &heads, frame), radius_in(&heads[site.rod_a], site.arc_a)));
+        let on_obstacles = &run.steps[frame.step].obstacle_sites;
         let on_obstacles =
-            on_obstacles.iter().map(|site| (site.nearest.into(), self.radius_in(site.rod, [site.center; 2], frame)));
+            on_obstacles.iter().map(|site| (site.nearest.into(), radius_in(&heads[site.rod], [site.center; 2])));
         let spots = between.chain(on_obstacles).collect();
-        Still { step: frame.step, rods: frame.rods.iter().enumerate().map(rod).collect(), spots }
+        Self { step: frame.step, rods: frame.rods.iter().enumerate().map(rod).collect(), spots }
     }
+}
 
-    /// Quantity that colours pictures, at the nodes of a rod.
-    fn values(&self, rod: &super::RodSnapshot) -> Vec<f64> {
-        match self.choice.color_by {
-            ColorBy::Strand => Vec::new(),
-            ColorBy::Pressure => rod.smoothed_contact_force.iter().map(Vec3::norm).collect(),
-            ColorBy::Curvature => rod.fields.curvature.clone(),
-            ColorBy::TwistRate => rod.fields.twist_rate.clone(),
-        }
+/// Quantity that colours pictures, at the nodes of a rod.
+fn values(rod: &RodSnapshot, color_by: ColorBy) -> Vec<f64> {
+    match color_by {
+        ColorBy::Strand => Vec::new(),
+        ColorBy::Pressure => rod.smoothed_contact_force.iter().map(Vec3::norm).collect(),
+        ColorBy::Curvature => rod.fields.curvature.clone(),
+        ColorBy::TwistRate => rod.fields.twist_rate.clone(),
     }
+}
 
-    /// Radius that a rod is drawn with in the middle of an arc length interval.
-    fn radius_in(&self, rod: usize, arcs: [f64; 2], frame: &RecordedFrame) -> f64 {
-        let head = self.head(rod, frame.step);
-        head.radius_at(middle(&head, arcs).round() as usize % head.nodes.max(1))
-    }
+/// Radius that a rod is drawn with in the middle of an arc length interval.
+fn radius_in(head: &RodHead, arcs: [f64; 2]) -> f64 {
+    head.radius_at(middle(head, arcs).round() as usize % head.nodes.max(1))
+}
 
-    /// Middle between the strands of a contact site.
-    fn place(&self, site: &SiteReport, frame: &RecordedFrame) -> Vec3 {
-        let at = |rod: usize, arcs: [f64; 2]| point_at(&self.head(rod, frame.step), &frame.rods[rod].positions, arcs);
-        0.5 * (at(site.rod_a, site.arc_a) + at(site.rod_b, site.arc_b))
-    }
+/// Middle between the strands of a contact site.
+fn place(site: &SiteReport, heads: &[RodHead], frame: &RecordedFrame) -> Vec3 {
+    let at = |rod: usize, arcs: [f64; 2]| point_at(&heads[rod], &frame.rods[rod].positions, arcs);
+    0.5 * (at(site.rod_a, site.arc_a) + at(site.rod_b, site.arc_b))
 }
 
 /// Middle of an arc length interval, which may lead over the seam, counted in nodes.
