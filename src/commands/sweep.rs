@@ -10,7 +10,10 @@ use supercoil::io::sweep::{
     Collected, ColumnValues, Plan, PlotAxes, Shard, SweepRun, SweepTable, Tally, collect, plot, ranges, status,
 };
 
-use super::{CONVERGED, INTERRUPTED, NOT_CONVERGED, progress::bar_style, say, seconds, stop_on_signal};
+use super::print::say;
+use super::progress::bar_style;
+use super::signals::stop_on_signal;
+use super::{CONVERGED, INTERRUPTED, NOT_CONVERGED, seconds};
 
 /// A sweep file with all its keys.
 pub const SWEEP_FILE: &str = r#"A sweep file:
