@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 
 use crate::error::InputError;
 use crate::math::Vec3;
-
-use super::text::{RampText, RodText, SceneText};
+use crate::scene::file::syntax::{RampText, RodText, SceneText};
 
 const ONE_WAY: &str = "density, mass and weight say one thing: give one of them";
 

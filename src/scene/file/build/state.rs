@@ -7,10 +7,9 @@ use nalgebra::{Quaternion, Unit};
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::{Natural, Placement, Rod, Section, within};
+use crate::scene::file::syntax::RodText;
 use crate::scene::points::named_columns;
 use crate::text::{CHECKPOINT, read_regular_bytes, state_in_checkpoint, utf8};
-
-use super::text::RodText;
 
 /// Columns of a final state that are read; quaternions scalar part first.
 const COLUMNS: [&str; 9] = ["rod", "arc_length", "x", "y", "z", "qw", "qx", "qy", "qz"];

@@ -5,8 +5,13 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::super::values::{At, List, NaturalText, Pair, some_table, table, tables};
+use crate::error::InputError;
+
 use super::ShapeText;
+use super::values::{At, List, NaturalText, Pair, some_table, table, tables};
+
+/// Name of the only rod of a scene, if it has none.
+const ONLY_ROD: &str = "rod";
 
 fn default_order() -> usize {
     3
@@ -205,4 +210,27 @@ pub(in super::super) struct SequenceText {
     /// needs no node a base pair; see `dna::blocks` in the library.
     #[schemars(extend("x-unit" = "steps", "minimum" = 1))]
     pub block: Option<usize>,
+}
+
+/// Names the only rod of a scene if it has no name; refuses several rods without distinct names.
+pub(super) fn name_rods(rods: &mut [RodText]) -> Result<(), InputError> {
+    if let [only] = rods {
+        if only.name.is_empty() {
+            ONLY_ROD.clone_into(&mut only.name);
+        }
+        return Ok(());
+    }
+    for (i, rod) in rods.iter().enumerate() {
+        let field = || format!("rods[{i}].name");
+        if rod.name.is_empty() {
+            let reason = "missing: where there are several rods, each needs a name, by which supports, loads, joints and \
+                stages call it";
+            return Err(InputError::inconsistent(field(), reason));
+        }
+        if rods[..i].iter().any(|other| other.name == rod.name) {
+            let allowed = "a name that no other rod has".to_owned();
+            return Err(InputError::Name { field: field(), name: rod.name.clone(), allowed });
+        }
+    }
+    Ok(())
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::super::values::List;
+use super::values::List;
 
 fn one() -> usize {
     1

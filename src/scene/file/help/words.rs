@@ -22,7 +22,7 @@ const TYPES: [(&str, &str); 8] = [
 
 /// Message of an error in a scene's text: with the allowed word that is most similar to an unknown one, and the table in
 /// which a key is missing.
-pub(super) fn in_a_users_words(error: &toml::de::Error, scene: &str) -> String {
+pub(in crate::scene::file) fn in_a_users_words(error: &toml::de::Error, scene: &str) -> String {
     let words: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
     let suggestion = match words.as_slice() {
         [found, allowed @ ..] if error.message().starts_with("unknown ") => likest(found, allowed.iter().copied()),

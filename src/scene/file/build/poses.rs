@@ -6,10 +6,9 @@ use nalgebra::{Quaternion, Rotation3, Unit};
 
 use crate::error::InputError;
 use crate::math::{Mat3, Quat, Vec3};
+use crate::scene::file::syntax::values::List;
+use crate::scene::file::syntax::{PathText, PoseText};
 use crate::scene::{Model, NodeRef, Pose, PosePath};
-
-use super::text::{PathText, PoseText};
-use super::values::List;
 
 /// Largest deviation of a quaternion or matrix from a rotation, because numbers may be given with seven digits.
 const TOL_ROTATION: f64 = 1e-6;

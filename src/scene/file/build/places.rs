@@ -3,8 +3,7 @@
 use crate::error::InputError;
 use crate::rod::Rod;
 use crate::scene::NodeRef;
-
-use super::values::{At, RodNames};
+use crate::scene::file::syntax::values::{At, RodNames};
 
 /// Index of the rod called `name`; the only rod needs no name.
 pub(super) fn find_rod(rods: &[Rod], field: &str, name: Option<&str>) -> Result<usize, InputError> {

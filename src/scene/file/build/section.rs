@@ -4,10 +4,9 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::rod::{Along, CrossSection, Section, Stiffness, check_stiffness};
+use crate::scene::file::syntax::SectionText;
+use crate::scene::file::syntax::values::List;
 use crate::scene::{SectionTable, read_section};
-
-use super::text::SectionText;
-use super::values::List;
 
 const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), by young, \
     poisson or shear_modulus, and circle = radius or rectangle = [width, height], by a stiffness of 6 × 6 numbers, or by a \

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::super::FollowChoice;
-use super::super::values::{At, List, OneOrMany, Pair, RodNames, some_table, table, tables};
 use super::SupportText;
+use super::choices::FollowChoice;
+use super::values::{At, List, OneOrMany, Pair, RodNames, some_table, table, tables};
 
 fn one() -> usize {
     1

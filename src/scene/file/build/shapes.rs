@@ -9,10 +9,9 @@ use crate::math::link::knot::closed_braid::{closed_braid, overhand};
 use crate::math::link::knot::{pd_code, table};
 use crate::rod::within;
 use crate::rod::{Axis, Plectoneme, Section, Shape, TorusKnot};
+use crate::scene::file::syntax::ShapeText;
+use crate::scene::file::syntax::values::List;
 use crate::scene::{Import, read_points_with, smooth_points};
-
-use super::text::ShapeText;
-use super::values::List;
 
 /// Largest distance of a repeated first point at the end, over the mean distance of points.
 const TOL_CLOSING: f64 = 1e-3;

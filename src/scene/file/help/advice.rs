@@ -4,10 +4,9 @@ use std::f64::consts::TAU;
 
 use crate::dna::base_pairs::{AtRest, Nodes};
 use crate::rod::Rod;
+use crate::scene::file::build::memory;
+use crate::scene::file::syntax::{RodText, SceneText, ShapeText};
 use crate::scene::{Ramp, Scene};
-
-use super::memory;
-use super::text::{RodText, ShapeText};
 
 /// Largest natural twist from node to node, turns. At 80° the error is 1 %; it falls with the sixth power.
 const MOST_NATURAL: f64 = 1.0 / 12.0;
@@ -31,8 +30,16 @@ const FAR_ANGSTROMS: f64 = 0.005;
 /// Start link, turns, above which a curve is reported not to begin relaxed.
 const WORTH_TELLING: f64 = 1e-3;
 
+/// Choices that the text leaves open and whose outcome its author may not expect.
+pub(in crate::scene::file) fn notices(text: &SceneText, scene: &Scene) -> Vec<String> {
+    let rods = &scene.model.rods;
+    let links = text.rods.iter().zip(rods).filter_map(|(text, rod)| start_link(text, rod));
+    let steps = rods.iter().zip(&scene.base_pairs).filter_map(|(rod, pairs)| start_steps(rod, pairs.as_ref()?));
+    links.chain(steps).collect()
+}
+
 /// Says that a closed curve whose file gives no link begins with that of its shape.
-pub(super) fn start_link(text: &RodText, rod: &Rod) -> Option<String> {
+fn start_link(text: &RodText, rod: &Rod) -> Option<String> {
     let is_given = text.excess_link.is_some() || text.link.is_some() || text.sigma.is_some();
     let is_curve = !matches!(text.shape, ShapeText::State { .. } | ShapeText::Frames { .. });
     let link = rod.start_excess_link;
@@ -46,7 +53,7 @@ pub(super) fn start_link(text: &RodText, rod: &Rod) -> Option<String> {
 }
 
 /// Says how far the steps of base pairs are from those at rest where the rod starts.
-pub(super) fn start_steps(rod: &Rod, at_rest: &AtRest) -> Option<String> {
+fn start_steps(rod: &Rod, at_rest: &AtRest) -> Option<String> {
     let (positions, frames) = (&rod.positions, &rod.frames);
     let closed = rod.closed.then_some(rod.start_link());
     let nodes = Nodes { positions, frames, order: rod.order, closed, turns_left_out: rod.turns_left_out };

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 /// A list of exactly `N` values; a longer list is an error, too.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct List<T, const N: usize>(pub [T; N]);
+pub(in crate::scene::file) struct List<T, const N: usize>(pub [T; N]);
 
 impl<T: Serialize, const N: usize> Serialize for List<T, N> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -35,11 +35,11 @@ impl<const N: usize> From<List<f64, N>> for nalgebra::SVector<f64, N> {
 
 /// One number for both section axes, or a pair.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Pair(pub [f64; 2]);
+pub(in crate::scene::file) struct Pair(pub [f64; 2]);
 
 /// A node: `"start"`, `"end"`, an index, or `{ arc = s }` for the node nearest to an arc length.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum At {
+pub(in crate::scene::file) enum At {
     Start,
     End,
     Node(usize),
@@ -48,11 +48,11 @@ pub(super) enum At {
 
 /// Fixed components: `true`, `false`, or a list of `"x"`, `"y"`, `"z"`.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct FixedAxes(pub [bool; 3]);
+pub(in crate::scene::file) struct FixedAxes(pub [bool; 3]);
 
 /// The stress-free state: `"straight"`, `"as-shaped"`, `{ curvature = [k1, k2], twist = k3 }`, or `{ table = file }`.
 #[derive(Debug, Clone, Default)]
-pub(super) enum NaturalText {
+pub(in crate::scene::file) enum NaturalText {
     #[default]
     Straight,
     AsShaped,
@@ -61,7 +61,7 @@ pub(super) enum NaturalText {
 }
 
 #[derive(Debug, Clone, Copy)]
-pub(super) struct UniformText {
+pub(in crate::scene::file) struct UniformText {
     pub curvature: [f64; 2],
     pub twist: f64,
 }
@@ -82,7 +82,7 @@ struct ArcText {
 
 /// One table or a list of tables.
 #[derive(Debug, Clone)]
-pub(super) struct OneOrMany<T>(pub Vec<T>);
+pub(in crate::scene::file) struct OneOrMany<T>(pub Vec<T>);
 
 impl<T> Default for OneOrMany<T> {
     fn default() -> Self {
@@ -92,7 +92,7 @@ impl<T> Default for OneOrMany<T> {
 
 /// Rods: a name or a list of names; empty where none is given.
 #[derive(Debug, Clone, Default)]
-pub(super) struct RodNames(pub Vec<String>);
+pub(in crate::scene::file) struct RodNames(pub Vec<String>);
 
 struct ListVisitor<T, const N: usize>(PhantomData<T>);
 
@@ -174,7 +174,7 @@ impl<'de> Visitor<'de> for AtVisitor {
 
 /// What prolongs an end: `"none"`, `"endless"`, or a length.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) enum GripText {
+pub(in crate::scene::file) enum GripText {
     #[default]
     None,
     Endless,
@@ -324,19 +324,23 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for TablesVisitor<T> {
 }
 
 /// Reads a table into a struct.
-pub(super) fn table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+pub(in crate::scene::file) fn table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<T, D::Error> {
     deserializer.deserialize_any(TableVisitor(PhantomData))
 }
 
 /// Reads an optional table into a struct.
-pub(super) fn some_table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+pub(in crate::scene::file) fn some_table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
     table(deserializer).map(Some)
 }
 
 /// Reads a list of tables into structs.
-pub(super) fn tables<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+pub(in crate::scene::file) fn tables<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<T>, D::Error> {
     deserializer.deserialize_any(TablesVisitor(PhantomData))
 }
 

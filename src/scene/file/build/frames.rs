@@ -6,9 +6,8 @@ use crate::dna::HELICAL_REPEAT;
 use crate::dna::base_pairs::BasePairs;
 use crate::error::InputError;
 use crate::rod::{Natural, Placement, Rod, Section, within};
-
-use super::text::RodText;
-use super::values::NaturalText;
+use crate::scene::file::syntax::RodText;
+use crate::scene::file::syntax::values::NaturalText;
 
 /// The rod of a file of base pairs; on other elements than a node a pair, where the scene says how many. `length` \[nm\] where
 /// sequence or dna tell it, else that from pair to pair; `turns` of the double helix that frames of a sequence leave out.

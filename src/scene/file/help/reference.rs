@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value};
 
-use super::text::SceneText;
+use crate::scene::file::syntax::SceneText;
 
 /// Most keys of a table that is described in the row of its key, as `{ rod, to }`, in place of a table of its own.
 const SMALL: usize = 2;

@@ -4,10 +4,11 @@ use crate::dna::salt::debye_length_nm;
 use crate::dna::{self, BENDING_PERSISTENCE, HELICAL_REPEAT, RISE, STRETCH_MODULUS, TWIST_PERSISTENCE_LOW};
 use crate::error::InputError;
 use crate::rod::Section;
+use crate::scene::file::syntax::{DnaText, ElectrostaticsText, RodText, SceneText};
 use crate::scene::{Electrostatics, Units};
 
-use super::text::{DnaText, ElectrostaticsText, RodText, SceneText};
-
+pub(super) const NEEDS_DNA: &str =
+    "a supercoiling density is counted on the link of relaxed DNA: the rod has no dna, so give excess_link in turns";
 /// Default salt concentration, mmol/l: physiological.
 const SALT: f64 = 150.0;
 /// Largest relative difference of two lengths of one molecule: rounding of a rise or of points.

@@ -1,22 +1,29 @@
-//! The text of a scene file: one struct per table; unknown keys are refused. The parent module gives the meaning.
+//! What a scene file may say: one struct per table; unknown keys are refused. `build` gives the meaning.
 //!
 //! Doc comments and attributes of the fields are the reference of keys (`supercoil help scene`), its page and the JSON
 //! Schema: a comment is the meaning, `x-unit` the unit, a bound or `x-allowed` the range, serde's default or `x-default`
 //! the default, `x-value` the form of a value where its type does not tell.
 
+#[cfg(feature = "sweeps")]
+pub(super) mod canonical;
+pub(super) mod choices;
 mod rods;
+pub(super) mod set;
 mod shapes;
 mod stages;
+pub(super) mod values;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::dna::salt::Charge;
+use crate::error::InputError;
 use crate::scene::{Fidelity, Units};
 
-use super::values::{At, FixedAxes, GripText, List, RodNames, some_table, table, tables};
-use super::{OutputChoice, PictureChoice, SolverChoice};
+use choices::{OutputChoice, PictureChoice, SolverChoice, check_choices};
+use values::{At, FixedAxes, GripText, List, RodNames, some_table, table, tables};
 
+use rods::name_rods;
 pub(super) use rods::{BeadText, DnaText, RodText, SectionText, SequenceText};
 pub(super) use shapes::ShapeText;
 pub(super) use stages::{ObstacleRampText, PathText, PoseText, RampText, StageText, StagesText};
@@ -307,4 +314,29 @@ pub(super) struct ElectrostaticsText {
     /// λ, in place of `salt_mM`.
     #[schemars(extend("x-unit" = "L", "x-allowed" = "0.01 to 100 contact radii"))]
     pub debye_length: Option<f64>,
+}
+
+impl SceneText {
+    /// The text with a name for each rod; refuses words and settings out of their range.
+    pub fn checked(mut self) -> Result<Self, InputError> {
+        name_rods(&mut self.rods)?;
+        check_words(&self)?;
+        check_choices(&self.solver, &self.output)?;
+        self.picture.check()?;
+        Ok(self)
+    }
+}
+
+/// Refuses strings with control characters, which would reach tables and terminals.
+fn check_words(text: &SceneText) -> Result<(), InputError> {
+    let words = [("title", &text.title), ("units.length", &text.units.length), ("units.force", &text.units.force)];
+    let words = words.into_iter().map(|(key, word)| (key.to_owned(), word));
+    let names = text.rods.iter().enumerate().map(|(i, rod)| (format!("rods[{i}].name"), &rod.name));
+    match words.chain(names).find(|(_, word)| word.chars().any(char::is_control)) {
+        Some((field, word)) => {
+            let allowed = "one line without control characters".to_owned();
+            Err(InputError::Name { field, name: word.clone(), allowed })
+        }
+        None => Ok(()),
+    }
 }

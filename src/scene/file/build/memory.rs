@@ -14,7 +14,7 @@ const BYTES_A_PAIR: f64 = 120.0;
 const NEIGHBOURS: usize = 2;
 
 /// Smallest memory of a run, bytes.
-pub(super) fn least(nodes: usize, planar: bool) -> f64 {
+pub(in crate::scene::file) fn least(nodes: usize, planar: bool) -> f64 {
     nodes as f64 * BYTES_A_NODE[usize::from(planar)]
 }
 

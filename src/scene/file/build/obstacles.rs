@@ -3,11 +3,13 @@
 use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::Rod;
+use crate::scene::file::syntax::values::GripText;
 use crate::scene::{Hinge, NodeRef, Obstacle, ObstacleNumber, Ramp, Side};
 
 use super::places::{node, nodes};
-use super::text::{BeadText, HingeText, ObstacleRampText, ObstacleText, SceneText, ShapeOfObstacle, SideOfObstacle};
-use super::values::GripText;
+use crate::scene::file::syntax::{
+    BeadText, HingeText, ObstacleRampText, ObstacleText, SceneText, ShapeOfObstacle, SideOfObstacle,
+};
 
 /// All obstacles of a scene: planes, others, beads of the rods, grips of the supports. The only plane needs no name, nor does the
 /// only other obstacle.

@@ -16,7 +16,11 @@ macro_rules! template {
         template!($name, $about, "assets/scenes")
     };
     ($name:literal, $about:literal, $folder:literal) => {
-        Template { name: $name, about: $about, text: include_str!(concat!("../../../", $folder, "/", $name, ".toml")) }
+        Template {
+            name: $name,
+            about: $about,
+            text: include_str!(concat!("../../../../", $folder, "/", $name, ".toml")),
+        }
     };
 }
 

@@ -5,7 +5,7 @@ use toml::{Table, Value};
 use crate::error::InputError;
 
 /// Replaces or adds one value; it is checked when the scene is read from the table.
-pub(super) fn apply(scene: &mut Table, assignment: &str) -> Result<(), InputError> {
+pub(in crate::scene::file) fn apply(scene: &mut Table, assignment: &str) -> Result<(), InputError> {
     let refuse = |reason: &str| InputError::inconsistent(format!("set {assignment}"), reason);
     let (key, value) = assignment.split_once('=').ok_or_else(|| refuse("must be KEY=VALUE"))?;
     let mut steps = key.trim().split('.');

@@ -9,8 +9,8 @@ use crate::scene::Fidelity;
 
 use super::by_base_pairs::Dna;
 use super::gravity;
-use super::text::{LawText, RampText, RodText, SceneText};
-use super::values::{List, RodNames};
+use crate::scene::file::syntax::values::{List, RodNames};
+use crate::scene::file::syntax::{LawText, RampText, RodText, SceneText};
 
 /// Turns of bending by moved supports, about one because a rod whose ends are brought together forms a loop.
 const MOVED: f64 = 1.0;
