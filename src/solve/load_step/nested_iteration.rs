@@ -200,7 +200,7 @@ pub(super) mod tests {
     }
 
     pub(in crate::solve::load_step) fn energy(solver: &Solver) -> f64 {
-        solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum()
+        solver.engine.residual(&solver.engine.state).potential.elastic.total()
     }
 
     /// The state is the one that the long way leads to: on a mesh that carries its lines of contact by what the

@@ -331,8 +331,7 @@ mod tests {
         let [short, usual] = [&mut quick, &mut slow].map(|solver| solver.solve_step(&PrescribedMotion::default()));
         assert!(short.iterations_on_other_meshes > 0 && usual.iterations_on_other_meshes == 0);
         assert!(short.iterations <= 10 && usual.iterations > 3 * short.iterations, "{}", usual.iterations);
-        let energy =
-            |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum::<f64>();
+        let energy = |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.total();
         for _ in 0..SMOOTHINGS {
             slow.smooth_pressures();
             let report = slow.resettle();
