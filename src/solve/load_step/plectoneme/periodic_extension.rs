@@ -78,7 +78,7 @@ fn changed(state: &State, helix: &DoubleHelix, elements: isize) -> State {
     let made = origins(helix, state.positions.len(), elements);
     let place = |node: f64| (state.positions[node as usize], state.frames[node as usize]);
     let (positions, frames) = helix.composed(&made, place);
-    let mut out = State { remainders: vec![Vec3::zeros(); made.len()], positions, frames, ..state.clone() };
+    let mut out = state.with_nodes(positions, frames);
     out.seams[0] += elements as f64 * (helix.screw.spins[0] + helix.screw.spins[1]);
     out
 }
