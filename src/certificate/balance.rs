@@ -20,7 +20,7 @@ use super::strains::{MaterialMatrix, PlacedRod, element_length, rule};
 use super::{Check, ContactForce, Subject, SupportForce, Worst, first_nodes, node_name};
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
-use crate::rod::Rod;
+use crate::rod::{Deformation, ElasticEnergies, Rod};
 use crate::scene::{Model, NodeRef};
 
 /// Force out of balance over the largest one, without contact: Newton's method squares increments, and searches that end along
@@ -36,8 +36,6 @@ const OF_INCREMENTS: f64 = 100.0;
 /// of |N_a′| over the elements at a node, up to eight.
 const LAST_PLACES: f64 = 80.0;
 
-/// Energies by kind, as they are reported.
-const KINDS: [&str; 4] = ["stretching", "shearing", "bending", "twisting"];
 /// Rounding of a sum over elements, over the sum.
 const TOL_SUM: f64 = 1e-12;
 
@@ -165,41 +163,38 @@ fn add_reactions(subject: &Subject, first: &[usize], out: &mut NodalForces) {
 /// Energy of elements by kind, and the rounding of it \[F·L\].
 #[derive(Debug, Clone, Copy, Default)]
 struct Stored {
-    /// Of stretching, shearing, bending, twisting.
-    kinds: [f64; 4],
+    kinds: ElasticEnergies,
     rounding: f64,
 }
-
-/// Kind of the energy of each strain.
-const KIND: [usize; 6] = [1, 1, 0, 2, 2, 3];
 
 impl Stored {
     /// Adds ½ σ·ε of a point; strains are rounded by some units in the last place, curvatures by that over the node spacing.
     fn add(&mut self, stress: &[f64; 6], elastic: &[f64; 6], (weight, spacing): (f64, f64)) {
-        for k in 0..6 {
-            self.kinds[KIND[k]] += 0.5 * weight * stress[k] * elastic[k];
+        for (k, kind) in Deformation::OF_STRAINS.into_iter().enumerate() {
+            self.kinds.add(kind, 0.5 * weight * stress[k] * elastic[k]);
             let unit = if k < 3 { 1.0 } else { spacing };
             self.rounding += weight * stress[k].abs() * LAST_PLACES * f64::EPSILON / unit;
         }
     }
 
     fn add_all(&mut self, other: &Self) {
-        self.kinds.iter_mut().zip(other.kinds).for_each(|(sum, kind)| *sum += kind);
+        self.kinds += other.kinds;
         self.rounding += other.rounding;
     }
 }
 
 /// Energies as reported against the elements' own.
 fn energies(subject: &Subject, own: &Stored) -> Check {
-    let total: f64 = own.kinds.iter().sum();
+    let total = own.kinds.total();
     let softest = |rod: &Rod| {
         let strain = LAST_PLACES * f64::EPSILON;
         rod.section.stretching * rod.length * strain * strain
     };
     let rounding = own.rounding + subject.model.rods.iter().map(softest).sum::<f64>();
     let mut worst = Worst::none();
-    for (name, (own, reported)) in KINDS.iter().zip(own.kinds.iter().zip(subject.energies)) {
-        worst.add((own - reported).abs() / (total + rounding), || (*name).to_owned());
+    for kind in Deformation::ALL {
+        let (own, reported) = (own.kinds.of(kind), subject.energies.of(kind));
+        worst.add((own - reported).abs() / (total + rounding), || kind.name().to_owned());
     }
     let tolerance = (TOL_SUM * total + rounding) / (total + rounding);
     Check::new("energies", worst.value, tolerance, worst.detail("of the elastic energy"))

@@ -26,6 +26,7 @@ pub(crate) use gaps::OwnGap;
 use arcs::Arcs;
 
 use crate::math::Vec3;
+use crate::rod::ElasticEnergies;
 use crate::scene::{Model, NodeRef};
 use crate::solve::{Given, State};
 
@@ -67,8 +68,8 @@ pub(crate) struct Subject<'a> {
     pub(crate) reactions: &'a [SupportForce],
     /// Forces of joints on each of their nodes, as reported.
     pub(crate) joints: &'a [SupportForce],
-    /// Energies of stretching, shearing, bending and twisting, as reported \[F·L\].
-    pub(crate) energies: [f64; 4],
+    /// Elastic energies, as reported \[F·L\].
+    pub(crate) energies: ElasticEnergies,
     /// Penetration over the smallest contact radius, as reported: a penalty leaves it.
     pub(crate) penetration: f64,
 }

@@ -23,7 +23,7 @@ pub(super) fn at_obstacle(subject: &Subject, index: usize) -> impl Fn(&Vec3) -> 
     // where the node was and is
     let carrier = obstacle.carrier.map(|at| {
         let (rod, node) = (&model.rods[at.rod], first_nodes(model)[at.rod] + at.node);
-        let place = state.positions[node] + state.remainders[node];
+        let place = state.positions[node] + state.remainders()[node];
         ([rod.positions[at.node], place], rod.frames[at.node] * state.frames[node].inverse())
     });
     move |x: &Vec3| {

@@ -55,7 +55,7 @@ impl<'a> PlacedRod<'a> {
         Self {
             rod: rod.1,
             positions: &state.positions[nodes.clone()],
-            remainders: &state.remainders[nodes.clone()],
+            remainders: &state.remainders()[nodes.clone()],
             frames: &state.frames[nodes],
             seam: state.seams[rod.0],
         }

@@ -67,7 +67,7 @@ fn joints(subject: &Subject) -> Option<Check> {
         let [a, b] = [joint.a, joint.b].map(|node| first[node.rod] + node.node);
         let given = |node: NodeRef| (model.rods[node.rod].positions[node.node], model.rods[node.rod].frames[node.node]);
         let ((x_a, q_a), (x_b, q_b)) = (given(joint.a), given(joint.b));
-        let apart = (state.positions[a] - state.positions[b]) + (state.remainders[a] - state.remainders[b]);
+        let apart = (state.positions[a] - state.positions[b]) + (state.remainders()[a] - state.remainders()[b]);
         let spacing = model.rods[joint.a.rod].spacing().min(model.rods[joint.b.rod].spacing());
         let turned = match (joint.kind, model.hinge_axis(joint)) {
             (JointKind::Rigid, _) => (state.frames[a].inverse() * state.frames[b]).angle_to(&(q_a.inverse() * q_b)),
@@ -93,7 +93,7 @@ fn supports(subject: &Subject) -> Option<Check> {
         let Some(due) = Due::of(given, node, stage, fraction) else { continue };
         let index = first[node.rod] + node.node;
         let spacing = model.rods[node.rod].spacing();
-        let off = (state.positions[index] - due.position) + state.remainders[index];
+        let off = (state.positions[index] - due.position) + state.remainders()[index];
         let moved = (0..3).filter(|&k| support.position[k]).map(|k| off[k].abs() / spacing).fold(0.0, largest);
         let turned = due.turned_off(&state.frames[index], model.fixed(node).1);
         worst.add(largest(moved, turned), || node_name(model, node));

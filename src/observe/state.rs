@@ -8,7 +8,7 @@ use crate::contact::clearance::smallest_clearance;
 use crate::contact::law::Law;
 use crate::math::Vec3;
 use crate::math::link::{link_numbers, link_of_ends};
-use crate::rod::Rod;
+use crate::rod::{ElasticEnergies, Rod};
 use crate::scene::NodeRef;
 use crate::solve::problem::assembly::{Potential, Residual};
 use crate::solve::problem::bend::Bend;
@@ -122,7 +122,7 @@ pub fn observe(progress: &Progress) -> Observation {
         reactions,
         joints,
         certificate,
-        mesh_error: mesh_error(engine, residual.potential.elastic[2..].iter().sum()),
+        mesh_error: mesh_error(engine, residual.potential.elastic.bending + residual.potential.elastic.twisting),
         num_unstable: progress.report.num_unstable,
         iterations: progress.report.iterations,
         energy_released,
@@ -138,6 +138,7 @@ fn certificate(
     (reactions, joints): (&[Reaction], &[JointForce]),
     energies: &Energies,
 ) -> (Certificate, Option<OwnGap>) {
+    let &Energies { stretching, shearing, bending, twisting, .. } = energies;
     let strands = sites.iter().flat_map(|site| {
         let [force, moment, at] = [site.force_on_a, site.moment_on_a, site.feet[0]].map(Vec3::from);
         let strand = |rod, arc, sign: f64, partner| {
@@ -179,7 +180,7 @@ fn certificate(
         contact: Some(&contact),
         reactions: &reactions,
         joints: &joints,
-        energies: [energies.stretching, energies.shearing, energies.bending, energies.twisting],
+        energies: ElasticEnergies { stretching, shearing, bending, twisting },
         penetration: progress.report.penetration,
     };
     progress.engine.install(|| Certificate::of(&subject))
@@ -266,9 +267,9 @@ fn layer(engine: &Engine, side: &ContactSide) -> Layer {
 }
 
 fn energies(potential: &Potential) -> Energies {
-    let [stretching, shearing, bending, twisting] = potential.elastic;
+    let ElasticEnergies { stretching, shearing, bending, twisting } = potential.elastic;
     let (contact, electrostatic) = (potential.contact, potential.electrostatic);
-    let total = stretching + shearing + bending + twisting + contact + electrostatic;
+    let total = potential.elastic.total() + contact + electrostatic;
     Energies { stretching, shearing, bending, twisting, contact, electrostatic, total }
 }
 

@@ -21,6 +21,7 @@
 use std::ops::Range;
 
 use crate::math::shape_functions::ShapeTable;
+use crate::rod::{Deformation, ElasticEnergies};
 use blocks::{NodalGradient, NodeBlocks, SecondDerivative, ShapeAt, Slope};
 use kinematics::{InPlane, Space, inner};
 use material::MaterialLaw;
@@ -119,8 +120,8 @@ impl ElementProperties<'_> {
 /// Without these three lengths both would have those of space, and the plane would fill the first entries: cubic elements
 /// then take 1.25 times as long in the plane and 1.12 times in space (residual and tangent, with five lengths).
 trait Kinematics<const R: usize, const Z: usize, const S: usize> {
-    /// Kind of energy of each strain: 0 stretch, 1 shear, 2 bend, 3 twist.
-    const KIND: [usize; S];
+    /// Kind of each strain.
+    const KIND: [Deformation; S];
     /// The rotations among the six unknowns of a node; these begin with the R displacements.
     const ROTATIONS: Range<usize>;
 
@@ -285,13 +286,11 @@ trait Kinematics<const R: usize, const Z: usize, const S: usize> {
             let b = Self::gradients(&p, &raw);
             let strain: [f64; S] = std::array::from_fn(|i| raw[i] - given.reference[g][i]);
             let stress = material.stress(g, &strain);
-            let mut energy = [0.0; 4];
+            let mut energy = ElasticEnergies::default();
             for i in 0..S {
-                energy[Self::KIND[i]] += stress[i] * strain[i];
+                energy.add(Self::KIND[i], stress[i] * strain[i]);
             }
-            for (sum, part) in out.energy.iter_mut().zip(energy) {
-                *sum += 0.5 * shape.weight * part;
-            }
+            out.energy += energy.scaled(0.5 * shape.weight);
             nodal.add(&Slope::sum(&stress, &b), &shape);
             let Some(blocks) = &mut blocks else { continue };
             let (mut h, grad) = Self::geometric(&p, &raw, &b, given.predicted.map_or(&stress, |s| &s[g]));
@@ -390,9 +389,8 @@ pub fn second_order_force(
 /// Result of [`evaluate`] without the tangent.
 #[derive(Debug, Clone, Default)]
 pub struct ElementOutput {
-    /// Energies \[F·L\] of stretch, shear, bend, twist: half of stress times strain. The energy of a coupling is split
-    /// evenly.
-    pub energy: [f64; 4],
+    /// Energies \[F·L\].
+    pub energy: ElasticEnergies,
     /// ∂E/∂(δr, θ), six per node; of an element in a plane the others are zero.
     pub residual: [f64; MAX_DOF],
 }

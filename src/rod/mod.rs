@@ -4,6 +4,7 @@
 mod along;
 mod check;
 pub(crate) mod element;
+mod energy;
 mod link;
 mod natural;
 mod number;
@@ -16,6 +17,7 @@ mod shape;
 mod stiffness;
 
 pub use along::{Along, Averaged};
+pub(crate) use energy::{Deformation, ElasticEnergies};
 pub(crate) use natural::STRAINS;
 pub use natural::{Natural, NaturalStrains};
 pub use number::{Binding, RodNumber};

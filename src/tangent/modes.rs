@@ -6,6 +6,7 @@ use super::masses::Masses;
 use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
 use crate::rod::element::Strain;
+use crate::rod::{Deformation, ElasticEnergies};
 use crate::solve::problem::linearised::{Linearised, dot};
 use crate::solve::{Engine, RunError};
 
@@ -230,24 +231,27 @@ pub(super) fn strains_along(engine: &Engine, motion: &[f64]) -> Vec<[Strain; 3]>
 
 /// Shares of the elastic energy along a shape.
 fn participation(engine: &Engine, shape: &[f64]) -> Participation {
-    let mut energy = [0.0; 4];
+    let mut energy = ElasticEnergies::default();
     for (e, rates) in strains_along(engine, shape).iter().enumerate() {
         add_energies(engine, e, rates, &mut energy);
     }
-    let sum = energy.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-    let [stretch, shear, bend, twist] = energy.map(|part| part / sum);
-    Participation { stretch, shear, bend, twist }
+    let sum = energy.total().max(f64::MIN_POSITIVE);
+    Participation {
+        stretch: energy.stretching / sum,
+        shear: energy.shearing / sum,
+        bend: energy.bending / sum,
+        twist: energy.twisting / sum,
+    }
 }
 
-/// Adds Δε·CΔε of an element by kinds: stretch, shear, bend, twist.
-fn add_energies(engine: &Engine, e: usize, rates: &[Strain; 3], energy: &mut [f64; 4]) {
-    const KINDS: [usize; 6] = [1, 1, 0, 2, 2, 3];
+/// Adds Δε·CΔε of an element by kinds.
+fn add_energies(engine: &Engine, e: usize, rates: &[Strain; 3], energy: &mut ElasticEnergies) {
     let body = engine.body(e);
     for (g, weight) in body.table.rule.weights.iter().enumerate() {
         let change = &rates[g];
         let stress = body.material.stress(g, change);
-        for (i, kind) in KINDS.into_iter().enumerate() {
-            energy[kind] += weight * body.length * stress[i] * change[i];
+        for (i, kind) in Deformation::OF_STRAINS.into_iter().enumerate() {
+            energy.add(kind, weight * body.length * stress[i] * change[i]);
         }
     }
 }

@@ -126,7 +126,7 @@ impl Observable {
     /// Value at a state that differs from the engine's in what is prescribed alone, without what depends on contact.
     pub(super) fn value(&self, engine: &mut Engine, state: &State) -> f64 {
         match self {
-            Self::Energy => engine.elastic_residual(state).potential.elastic.iter().sum(),
+            Self::Energy => engine.elastic_residual(state).potential.elastic.total(),
             Self::Twist { rod } => twist(engine, state, *rod),
             Self::Writhe { rod } => state.seams[*rod] / TAU - twist(engine, state, *rod),
             Self::SeamMoment { rod } => engine.elastic_residual(state).seam_moments[*rod],

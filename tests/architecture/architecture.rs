@@ -36,7 +36,7 @@ const NAMED_ONCE: [(&str, &str); 12] = [
     ("base64", "io/view/page.rs"),
     ("postcard", "io/checkpoint.rs"),
     ("crc32fast", "io/checkpoint.rs"),
-    ("ctrlc", "main.rs"),
+    ("ctrlc", "commands/signals.rs"),
     ("parquet::file", "io/sweep/parquet.rs"),
     ("pdf_writer", "io/picture/pdf.rs"),
     ("plotters_backend", "io/picture/pdf.rs"),
@@ -115,7 +115,9 @@ fn offences(file: &str, text: &str) -> Vec<String> {
 fn lower_layers_know_nothing_of_higher_ones() {
     let broken: Vec<String> = sources()
         .iter()
-        .filter(|(file, _)| !["lib.rs", "internals.rs", "main.rs", "progress.rs", "sweep.rs"].contains(&file.as_str()))
+        .filter(|(file, _)| {
+            !["lib.rs", "internals.rs", "main.rs"].contains(&file.as_str()) && !file.starts_with("commands")
+        })
         .flat_map(|(file, text)| offences(file, text))
         .collect();
     assert!(broken.is_empty(), "{broken:#?}");

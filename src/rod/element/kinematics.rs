@@ -13,6 +13,7 @@ use std::ops::Range;
 use super::blocks::{SecondDerivative, Slope};
 use super::{InterpolatedPoint, Kinematics};
 use crate::math::quaternion::{Q, dot, mul, mul_e1, mul_e2, mul_e3, mul_pure, pure_mul};
+use crate::rod::Deformation;
 
 /// Largest 1 − |w|², a quarter of the squared tilt, of a node whose frame is in the plane to rounding.
 const TOL_TILT: f64 = 1e-14;
@@ -57,7 +58,7 @@ pub(super) fn inner<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 pub(super) struct Space;
 
 impl Kinematics<3, 4, 6> for Space {
-    const KIND: [usize; 6] = [1, 1, 0, 2, 2, 3];
+    const KIND: [Deformation; 6] = Deformation::OF_STRAINS;
     const ROTATIONS: Range<usize> = 3..6;
 
     fn strain(p: &InterpolatedPoint<3, 4>) -> [f64; 6] {
@@ -123,7 +124,7 @@ impl Kinematics<3, 4, 6> for Space {
 pub(super) struct InPlane;
 
 impl Kinematics<2, 2, 3> for InPlane {
-    const KIND: [usize; 3] = [0, 1, 2];
+    const KIND: [Deformation; 3] = [Deformation::Stretching, Deformation::Shearing, Deformation::Bending];
     const ROTATIONS: Range<usize> = 5..6;
 
     fn strain(p: &InterpolatedPoint<2, 2>) -> [f64; 3] {

@@ -79,7 +79,7 @@ impl Solver {
             contact.places.iter().for_each(|&k| gaps.values[k] = gaps.values[k].min(contact.gap));
         }
         let gaps = gaps.map(|k, gap| if gap.is_finite() && gap > open && offsets.values[k] > 0.0 { gap } else { 0.0 });
-        let energy: f64 = residual.potential.elastic.iter().sum();
+        let energy: f64 = residual.potential.elastic.total();
         let work = |contact: &Held| {
             if energy > 0.0 && contact.gap > open { contact.force * contact.gap / energy } else { 0.0 }
         };

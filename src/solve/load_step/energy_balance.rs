@@ -147,7 +147,7 @@ impl Solver {
         let state = engine.state.clone();
         engine.update_contact(&state).ok()?;
         let residual = engine.residual(&state);
-        let elastic = residual.potential.elastic.iter().sum::<f64>();
+        let elastic = residual.potential.elastic.total();
         let kept = if is_penalty { residual.potential.contact } else { 0.0 };
         let energy = elastic + residual.potential.electrostatic + residual.potential.load + kept;
         let work = work_of_motions(engine, &residual, changes)

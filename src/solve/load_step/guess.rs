@@ -137,7 +137,7 @@ impl Solver {
             return Ok(true);
         }
         let potential = self.engine.potential_at(&guess.state)?;
-        let elastic = potential.elastic.iter().sum::<f64>();
+        let elastic = potential.elastic.total();
         Ok(match guess.ceiling {
             Some(ceiling) => potential.without_stretch_and_shear() < ceiling,
             None => potential.contact <= MAX_CONTACT_ENERGY * elastic,

@@ -119,15 +119,8 @@ impl Solver {
         let mut options = Options { threads: None, ..self.options.clone() };
         options.newton.tol_increment = options.newton.tol_increment.max(Fidelity::Draft.tol_increment());
         let mut coarse = Self::new(model, options).ok()?;
-        let nodes = || (0..self.engine.model.rods.len()).flat_map(|rod| self.engine.nodes(rod).step_by(factor));
-        let all = &self.engine.state;
-        let state = State {
-            positions: nodes().map(|node| all.positions[node]).collect(),
-            remainders: nodes().map(|node| all.remainders[node]).collect(),
-            frames: nodes().map(|node| all.frames[node]).collect(),
-            ..all.clone()
-        };
-        coarse.engine.set_state(state).ok()?;
+        let nodes = (0..self.engine.model.rods.len()).flat_map(|rod| self.engine.nodes(rod).step_by(factor));
+        coarse.engine.set_state(self.engine.state.on_nodes(nodes)).ok()?;
         self.is_same(&self.engine.state, &coarse.engine, factor).then_some(coarse)
     }
 
@@ -203,7 +196,7 @@ pub(super) mod tests {
     }
 
     pub(in crate::solve::load_step) fn energy(solver: &Solver) -> f64 {
-        solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum()
+        solver.engine.residual(&solver.engine.state).potential.elastic.total()
     }
 
     /// The state is the one that the long way leads to: on a mesh that carries its lines of contact by what the

@@ -182,7 +182,8 @@ impl History {
         let last = self.visited.last().filter(|_| self.ends_at(&engine.state))?;
         let mut moved = last.moved.clone();
         moved.go_on(target, &lifted.spun);
-        let mut state = State { seams: lifted.state.seams.clone(), ..last.state.clone() };
+        let mut state = last.state.clone();
+        state.seams.clone_from(&lifted.state.seams);
         target.load(&mut state);
         Some(Visited { state, moved })
     }
@@ -261,7 +262,7 @@ fn extrapolated(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Vi
             *rotations = std::array::from_fn(|k| rotation_vector(&both[k], &(rotations[k] * farther)));
             let state = &visited.state;
             let displacement = (state.positions[node] - last.state.positions[node])
-                + (state.remainders[node] - last.state.remainders[node]);
+                + (state.remainders()[node] - last.state.remainders()[node]);
             sum[0] += weight * unscrew(&rotations[0], &displacement);
             sum[1] += weight * rotations[0];
             sum[2] += weight * rotations[1];
@@ -470,7 +471,8 @@ mod tests {
     fn ways_go_on_along_their_line() {
         let at = |seam: f64, load: f64| {
             let engine = Engine::new(clamped(true), None).unwrap();
-            let state = State { seams: vec![seam], load_factor: load, ..engine.state };
+            let mut state = engine.state;
+            (state.seams, state.load_factor) = (vec![seam], load);
             Visited { state, moved: Moved::default() }
         };
         let mut history = History::default();

@@ -173,13 +173,13 @@ impl Solver {
     /// A node relative to a point of the axis it is turned about \[L\]; the axis moves with the node's displacements.
     fn arm(&self, node: usize, through: &Vec3) -> Vec3 {
         let state = &self.engine.state;
-        (state.positions[node] - through - self.displaced(node)) + state.remainders[node]
+        (state.positions[node] - through - self.displaced(node)) + state.remainders()[node]
     }
 
     /// The way from where a node is to a pose.
     fn remaining_path(&self, node: usize, pose: &Pose) -> RemainingPath {
         let state = &self.engine.state;
-        pose.remaining_path(&state.positions[node], &state.remainders[node], &state.frames[node], self.turned(node))
+        pose.remaining_path(&state.positions[node], &state.remainders()[node], &state.frames[node], self.turned(node))
     }
 
     /// Turns by which the ramps will carry a node round an axis or to a pose, at most.

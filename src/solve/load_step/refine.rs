@@ -10,7 +10,6 @@ use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
-use crate::solve::problem::state::State;
 use crate::solve::problem::zero_energy::ZeroEnergyModes;
 use crate::solve::search::newton::relative_residual;
 
@@ -80,8 +79,7 @@ impl Solver {
             positions.extend(r);
             frames.extend(q);
         }
-        let remainders = vec![Vec3::zeros(); positions.len()];
-        fine.engine.set_state(State { positions, remainders, frames, ..coarse.state.clone() })?;
+        fine.engine.set_state(coarse.state.with_nodes(positions, frames))?;
         let between = |node: usize| {
             let rod = fine.engine.rod_of(node);
             let [first, end] = [coarse.first_node[rod], coarse.first_node[rod + 1]];

@@ -157,14 +157,14 @@ impl Solver {
         if let Some(node) = moved.nodes().find(|node| *node >= state.positions.len()) {
             return Err(refuse(&format!("moves node {node}, which the model has not")));
         }
-        let numbers = state.positions.iter().chain(&state.remainders).flatten();
+        let numbers = state.positions.iter().chain(state.remainders()).flatten();
         let numbers = numbers.chain(state.frames.iter().flat_map(|q| q.coords.iter()));
         if !numbers.chain(&state.seams).chain(&state.pressures).chain([&state.load_factor]).all(|x| x.is_finite())
             || !state.placements.iter().all(ObstaclePose::is_finite)
         {
             return Err(refuse("has a number that is not finite"));
         }
-        let sizes = |s: &State| [s.positions.len(), s.remainders.len(), s.frames.len()];
+        let sizes = |s: &State| [s.positions.len(), s.remainders().len(), s.frames.len()];
         if history.states().any(|s| sizes(s) != sizes(&state)) {
             return Err(refuse("remembers states of another model"));
         }

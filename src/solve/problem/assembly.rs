@@ -13,6 +13,7 @@ pub(in crate::solve) use scatter::Sink;
 use crate::contact::potential::surface::SurfaceContact;
 use crate::contact::potential::{CandidateTerms, ContactPair, Request};
 use crate::error::SolveError;
+use crate::rod::ElasticEnergies;
 use crate::rod::element::{ElementOutput, ElementTangent, Strain, Stress};
 use crate::solve::measures::LAST_PLACES;
 use crate::solve::problem::engine::Engine;
@@ -21,11 +22,11 @@ use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
 use crate::sparse::{NodeGraph, Pattern};
 
-/// Elastic energies by kind and the rest of the potential \[F·L\].
+/// Parts of the potential \[F·L\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Potential {
-    /// Stretch, shear, bend, twist.
-    pub(crate) elastic: [f64; 4],
+    /// Of the elements.
+    pub(crate) elastic: ElasticEnergies,
     /// Energy of the contact law.
     pub(crate) contact: f64,
     /// Energy of screened charges.
@@ -37,14 +38,13 @@ pub(crate) struct Potential {
 impl Potential {
     /// Sum of all parts.
     pub(crate) fn total(&self) -> f64 {
-        self.elastic.iter().sum::<f64>() + self.contact + self.electrostatic + self.load
+        self.elastic.total() + self.contact + self.electrostatic + self.load
     }
 
     /// Sum of all parts but stretch and shear, which are nearly rigid: errors of a guess show in them first, and the first
     /// correction mends them.
     pub(crate) fn without_stretch_and_shear(&self) -> f64 {
-        let [_, _, bending, twisting] = self.elastic;
-        bending + twisting + self.contact + self.electrostatic + self.load
+        self.elastic.bending + self.elastic.twisting + self.contact + self.electrostatic + self.load
     }
 }
 
@@ -231,7 +231,7 @@ impl Engine {
     /// Rounding error of the potential \[F·L\]: of its parts, and of the strains and gaps that forces do work on, each of
     /// them a few units in the last place of a node spacing or of 1 rad.
     fn rounding_of_potential(&self, at: &Residual) -> f64 {
-        let parts = at.potential.total().abs() + at.potential.elastic.iter().sum::<f64>();
+        let parts = at.potential.total().abs() + at.potential.elastic.total();
         let way = |k: usize| if k % 6 < 3 { self.scales.lever } else { 1.0 };
         let work: f64 = at.magnitude.iter().enumerate().map(|(k, force)| force * way(k)).sum();
         LAST_PLACES * f64::EPSILON * (parts + work)

@@ -29,7 +29,8 @@ pub(crate) mod as_list {
     }
 }
 
-/// Positions and frames of all nodes (rod after rod), seams and load levels.
+/// Positions and frames of all nodes (rod after rod), seams and load levels. Only the problem makes one from nothing; others
+/// make it from another state.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
@@ -37,7 +38,7 @@ pub struct State {
     pub positions: Vec<Vec3>,
     /// Rounding errors of the positions \[L\]: nodes are at `positions + remainders`. Far from the origin
     /// neighbours are known to each other by it.
-    pub remainders: Vec<Vec3>,
+    pub(in crate::solve::problem) remainders: Vec<Vec3>,
     /// Node frames.
     pub frames: Vec<Quat>,
     /// Per rod: angle by which the frame at s = L is turned about d3 against the frame at s = 0, rad (closed rods).
@@ -66,6 +67,24 @@ impl State {
             next.frames[node] = Unit::new_normalize(turned.into_inner());
         }
         next
+    }
+
+    /// This state with nodes at these places, which are exact; their number may be another.
+    pub(crate) fn with_nodes(&self, positions: Vec<Vec3>, frames: Vec<Quat>) -> Self {
+        let remainders = vec![Vec3::zeros(); positions.len()];
+        Self { positions, remainders, frames, ..self.clone() }
+    }
+
+    /// This state on some of its nodes.
+    pub(crate) fn on_nodes(&self, nodes: impl Iterator<Item = usize> + Clone) -> Self {
+        let at = |list: &[Vec3]| nodes.clone().map(|node| list[node]).collect();
+        let frames = nodes.clone().map(|node| self.frames[node]).collect();
+        Self { positions: at(&self.positions), remainders: at(&self.remainders), frames, ..self.clone() }
+    }
+
+    /// Rounding errors of the positions \[L\].
+    pub(crate) fn remainders(&self) -> &[Vec3] {
+        &self.remainders
     }
 
     /// Moves a node \[L\].

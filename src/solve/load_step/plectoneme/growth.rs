@@ -98,7 +98,7 @@ fn composed(engine: &Engine, plectoneme: &OpenPlectoneme, exchange: &Exchange, t
     let last = to.positions.len() - 1;
     let origins: Vec<NodeOrigin> = (0..=last).map(|n| plectoneme.origin(exchange, n as f64, last as f64)).collect();
     let (positions, frames) = plectoneme.helix.composed(&origins, |node| placed(engine, node));
-    let mut new = State { positions, frames, remainders: vec![Vec3::zeros(); last + 1], ..to.clone() };
+    let mut new = to.with_nodes(positions, frames);
     // from where the first node was to where supports hold the rod
     let held = if is_held(engine, 0) { 0 } else { last };
     let back = to.positions[held] - new.positions[held];

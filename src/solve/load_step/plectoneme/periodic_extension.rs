@@ -78,7 +78,7 @@ fn changed(state: &State, helix: &DoubleHelix, elements: isize) -> State {
     let made = origins(helix, state.positions.len(), elements);
     let place = |node: f64| (state.positions[node as usize], state.frames[node as usize]);
     let (positions, frames) = helix.composed(&made, place);
-    let mut out = State { remainders: vec![Vec3::zeros(); made.len()], positions, frames, ..state.clone() };
+    let mut out = state.with_nodes(positions, frames);
     out.seams[0] += elements as f64 * (helix.screw.spins[0] + helix.screw.spins[1]);
     out
 }
@@ -331,8 +331,7 @@ mod tests {
         let [short, usual] = [&mut quick, &mut slow].map(|solver| solver.solve_step(&PrescribedMotion::default()));
         assert!(short.iterations_on_other_meshes > 0 && usual.iterations_on_other_meshes == 0);
         assert!(short.iterations <= 10 && usual.iterations > 3 * short.iterations, "{}", usual.iterations);
-        let energy =
-            |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.iter().sum::<f64>();
+        let energy = |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.total();
         for _ in 0..SMOOTHINGS {
             slow.smooth_pressures();
             let report = slow.resettle();

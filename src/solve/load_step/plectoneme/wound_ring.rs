@@ -39,8 +39,9 @@ impl Solver {
         let shape = Shape::Plectoneme(plectoneme.about(Axis::Straight { center: centre(state), direction }));
         let mesh = RodMesh::closed(rod.num_elements, rod.order);
         let wound = Rod::new(&rod.name, &shape, mesh, section, Natural::Straight).ok()?.with_excess_link(link).ok()?;
-        let remainders = vec![Vec3::zeros(); state.positions.len()];
-        Some(State { positions: wound.positions, frames: wound.frames, remainders, seams: vec![seam], ..state.clone() })
+        let mut made = state.with_nodes(wound.positions, wound.frames);
+        made.seams = vec![seam];
+        Some(made)
     }
 }
 

@@ -2,7 +2,7 @@ use super::*;
 use crate::math::Vec3;
 use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
 use crate::scene::{Contact, LineLoad, Model, NodeLoad, NodeRef, Support};
-use crate::solve::{Options, State};
+use crate::solve::Options;
 
 /// A bent, twisted cantilever with loads, its last node held.
 fn open_rod() -> Solver {
@@ -36,7 +36,8 @@ fn disturb(solver: &mut Solver) {
     let field: Vec<f64> =
         free.iter().enumerate().map(|(i, f)| if *f { 0.05 * (1.0 + 1.7 * i as f64).sin() } else { 0.0 }).collect();
     let state = solver.engine.retract(&solver.engine.state, &field, 1.0);
-    solver.engine.state = State { load_factor: 0.7, ..state };
+    solver.engine.state = state;
+    solver.engine.state.load_factor = 0.7;
 }
 
 /// ∂gradient/∂parameter of every kind of ramp against central differences.

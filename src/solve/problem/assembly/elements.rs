@@ -120,9 +120,7 @@ impl Engine {
                 out.magnitude[base + k] += result.residual[6 * a + k].abs();
             }
         }
-        for (sum, energy) in out.potential.elastic.iter_mut().zip(result.energy) {
-            *sum += energy;
-        }
+        out.potential.elastic += result.energy;
         if element.closes {
             let moment = &result.residual[6 * (count - 1) + 3..6 * count];
             out.seam_moments[element.rod] =

@@ -8,7 +8,7 @@ const PROGRESS: f64 = 0.01;
 
 /// Energy stored in rods and contact.
 pub(in crate::solve) fn stored_energy(potential: &Potential) -> f64 {
-    potential.elastic.iter().sum::<f64>() + potential.contact.abs()
+    potential.elastic.total() + potential.contact.abs()
 }
 
 /// Iterations since the last progress.
@@ -52,9 +52,14 @@ impl SearchProgress {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rod::ElasticEnergies;
 
     fn at(potential: f64) -> Potential {
-        Potential { elastic: [1.0, 0.0, 0.0, 0.0], load: potential - 1.0, ..Potential::default() }
+        Potential {
+            elastic: ElasticEnergies { stretching: 1.0, ..ElasticEnergies::default() },
+            load: potential - 1.0,
+            ..Potential::default()
+        }
     }
 
     #[test]

@@ -71,7 +71,7 @@ fn potential(solver: &mut Solver, state: &State) -> f64 {
 /// Elastic energy, and potential with that of loads and contact.
 pub(crate) fn energies(solver: &Solver) -> [f64; 2] {
     let potential = solver.engine.residual(&solver.engine.state).potential;
-    [potential.elastic.iter().sum(), potential.total()]
+    [potential.elastic.total(), potential.total()]
 }
 
 /// Wound and unwound, at either end of a rod either of whose ends slides: soon at rest, and where it rests the slow
