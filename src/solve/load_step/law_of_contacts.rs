@@ -1,19 +1,17 @@
 //! The law by the mesh, by what touches.
 //!
 //! Lines of contact limit its stiffness from above, points from below: their forces have an error of κ^(−2/3)
-//! ([`ContactLaw::ByMesh`](crate::scene::ContactLaw::ByMesh)). Which there are is known when a state has been found. So a state that touches
-//! at points only is settled once more under the law of points, one with lines under that of lines. The next step begins under
-//! the law that the last one ended with.
+//! ([`ContactLaw::ByMesh`](crate::scene::ContactLaw::ByMesh)). Which there are is known when a state has been found. So a state that
+//! touches at points only is settled once more under the law of points, one with lines under that of lines. The next step begins
+//! under the law that the last one ended with.
 
 use crate::contact::law::Law;
 use crate::solve::load_step::guess::Ahead;
+use crate::solve::load_step::penalty_continuation::AT_POINTS;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Origin, Status, StepReport};
 use crate::solve::problem::contact_side::Touching;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
-
-/// Exponent of the pressure of a point of contact in κ: its zone is ∝ κ^(−1/3), and its force stays.
-const PRESSURE_OF_POINT: f64 = 1.0 / 3.0;
 
 impl Solver {
     /// Settles an accepted state under the law of its contacts, if another one is in force. Where that fails, or leads to
@@ -63,7 +61,8 @@ impl Solver {
         self.choose_law_for(touching);
         let stiffness = self.engine.contact_stiffness();
         let grown = match touching {
-            Touching::Points => (stiffness / before).powf(PRESSURE_OF_POINT),
+            // p = κδ at F ∝ κδ^1.5
+            Touching::Points => (stiffness / before).powf(1.0 - 1.0 / AT_POINTS),
             Touching::Lines => 1.0,
         };
         self.change_law_to(Law::Linear { stiffness }, &pressures.map(|_, pressure| grown * pressure));

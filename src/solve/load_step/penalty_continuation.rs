@@ -17,7 +17,7 @@ use crate::solve::problem::contact_side::{ContactSide, Touching};
 const ROUNDS: usize = 3;
 
 /// Exponent of F in δ at a point of contact that is far from opening, because its zone grows as √δ.
-const AT_POINTS: f64 = 1.5;
+pub(super) const AT_POINTS: f64 = 1.5;
 
 /// A run of segments of one strand that touch another.
 #[derive(Debug)]
