@@ -168,10 +168,8 @@ pub enum ContactLaw {
         /// Largest penetration accepted, relative to the smallest contact radius. Legal: 0 < tol < 1.
         tol_penetration: f64,
     },
-    /// The augmented Lagrangian with the stiffness of [`ContactLaw::stiffness_by_mesh`]; in states that touch at points
-    /// only, which no mesh limits, with 3·10³ at least. Rods that shear so easily that (B/GA)^½ is longer than the contact
-    /// radius are an exception: they have kinks at points, the sharper the harder the law. The model of an engine has the number instead ([`ContactLaw::on_mesh`]) and
-    /// keeps it when the mesh is refined or coarsened.
+    /// The augmented Lagrangian with the stiffness of [`ContactLaw::stiffness_by_mesh`]. The model of an engine has the
+    /// number instead ([`ContactLaw::on_mesh`]) and keeps it when the mesh is refined or coarsened.
     ByMesh {
         /// Smallest stiffness, on coarse meshes, because the resultants of point contacts have an error of κ^(−2/3).
         /// Legal: > 0.
@@ -190,9 +188,6 @@ const MANY_NODES: usize = 30_000;
 /// Largest κ ε⁴/B of [`ContactLaw::stiffness_by_mesh`], a layer of a tenth of the contact radius: strands do not wind
 /// tightly enough for a stiffer law to change the result.
 const MOST_BY_MESH: f64 = 1e4;
-/// Smallest κ ε⁴/B of [`ContactLaw::ByMesh`] where strands touch at points only: forces of rings have errors of 6e-5 by the law.
-/// With 10⁴ it is half of that, and a minicircle takes a fifth more iterations.
-const LEAST_AT_POINTS: f64 = 3e3;
 
 impl ContactLaw {
     /// The largest dimensionless stiffness κ ε⁴/B that a mesh of these rods resolves along lines of contact: the
@@ -220,16 +215,6 @@ impl ContactLaw {
         match self {
             Self::ByMesh { least, tol_penetration } => {
                 Self::AugmentedLagrangian { stiffness: Self::stiffness_by_mesh(rods, least), tol_penetration }
-            }
-            given => given,
-        }
-    }
-
-    /// The augmented Lagrangian for states that touch at points only.
-    pub(crate) fn at_points(self) -> Self {
-        match self {
-            Self::AugmentedLagrangian { stiffness, tol_penetration } => {
-                Self::AugmentedLagrangian { stiffness: stiffness.max(LEAST_AT_POINTS), tol_penetration }
             }
             given => given,
         }

@@ -9,7 +9,6 @@ use crate::contact::law::Law;
 use crate::solve::load_step::multiplier_estimate::MultiplierEstimate;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Failed, Status, StepReport};
-use crate::solve::problem::contact_side::Touching;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::newton::SearchOptions;
 
@@ -40,7 +39,6 @@ impl Solver {
         drive: &PrescribedMotion,
         report: &mut StepReport,
     ) -> Result<f64, Failed> {
-        self.choose_law_for(Touching::Lines);
         let augments = self.augments();
         let mut forces = if augments { self.soften(report)? } else { Vec::new() };
         let (mut rough, mut increment) = (false, 0.0);

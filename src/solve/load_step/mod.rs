@@ -12,7 +12,6 @@
 //! | `core_law` | the contact law as a path, the last start; `multiplier_estimate` has the pressures that it begins with |
 //! | `descent` | a search that leaves unstable equilibria |
 //! | `enforce_contact` | the augmented Lagrangian; `multipliers`, `complementarity`: offsets raised and lowered until gaps and pressures fit |
-//! | `law_of_contacts` | the law by the mesh, harder where strands touch at points only |
 //! | `penalty_continuation` | pressures after a law was hardened |
 //! | `refine` | the same state on a finer mesh or under a harder law |
 //! | `energy_balance` | work done and energy kept: what a snap sets free |
@@ -24,7 +23,6 @@ mod descent;
 mod energy_balance;
 pub(in crate::solve) mod enforce_contact;
 mod guess;
-mod law_of_contacts;
 mod multiplier_estimate;
 pub(in crate::solve) mod multipliers;
 mod nested_iteration;

@@ -57,7 +57,7 @@ impl Solver {
         self.change_law_to(law, &ContactField::of_nodes(&of_nodes, num_surfaces));
     }
 
-    pub(super) fn change_law_to(&mut self, law: Law, pressures: &ContactField) {
+    fn change_law_to(&mut self, law: Law, pressures: &ContactField) {
         let Some(side) = &mut self.engine.contact else { return };
         let distance = 2.0 * side.min_radius;
         side.change_law(law, pressures.map(|_, pressure| law.overlap(pressure, distance)));
@@ -121,7 +121,7 @@ impl Solver {
     }
 
     /// Pressure of each contact near each node \[F/L\], at the smallest gap around it.
-    pub(super) fn pressures(&self) -> ContactField {
+    fn pressures(&self) -> ContactField {
         let gaps = self.contact_errors().gaps;
         let Some(side) = &self.engine.contact else { return ContactField::default() };
         let offsets = side.offsets.at_places_of(&side.set, &gaps);

@@ -25,7 +25,6 @@ use crate::solve::load_step::guess::{ContactOfGuess, Guess};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::Status;
 use crate::solve::options::Options;
-use crate::solve::problem::contact_side::Touching;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
@@ -57,8 +56,6 @@ impl Solver {
         }
         let Some((factor, coarse)) = self.coarsest(drive) else { return Ok(None) };
         let Some(guess) = self.interpolated(coarse, factor, drive, elsewhere) else { return Ok(None) };
-        // what strands touch at there is not known
-        self.choose_law_for(Touching::Lines);
         let asked = Law::Linear { stiffness: self.engine.contact_stiffness() };
         if matches!(&guess.contact, ContactOfGuess::Known(contact) if contact.law != asked) {
             // a coarse mesh does not always carry the law

@@ -11,13 +11,13 @@ use crate::contact::law::{Law, shortest_line};
 use crate::error::SolveError;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::contact_side::{ContactSide, Touching};
+use crate::solve::problem::contact_side::ContactSide;
 
 /// Evaluations of the law at lowered offsets, because the second measures the exponent, the third confirms it.
 const ROUNDS: usize = 3;
 
 /// Exponent of F in δ at a point of contact that is far from opening, because its zone grows as √δ.
-pub(super) const AT_POINTS: f64 = 1.5;
+const AT_POINTS: f64 = 1.5;
 
 /// A run of segments of one strand that touch another.
 #[derive(Debug)]
@@ -73,16 +73,6 @@ impl Solver {
             side.before = Some((law, lowered));
         }
         Ok(())
-    }
-
-    /// What strands touch at in the present state.
-    pub(super) fn touching(&self) -> Touching {
-        let Some(ContactSide { law: Law::Linear { stiffness }, .. }) = self.engine.contact else {
-            return Touching::Lines;
-        };
-        let runs = self.runs(&self.overlaps());
-        let is_point = |run: &ContactRun| run.length <= run.shortest_line / stiffness.powf(0.25);
-        if !runs.is_empty() && runs.iter().all(is_point) { Touching::Points } else { Touching::Lines }
     }
 
     fn set_offsets(&mut self, offsets: ContactField) {

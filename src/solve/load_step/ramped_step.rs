@@ -17,11 +17,7 @@ impl Solver {
     /// Brings the present state to a stable equilibrium under the present loads, from where it is: as
     /// [`Solver::step_to`] without ramps, but not predicted from earlier steps.
     pub fn find_equilibrium(&mut self) -> StepReport {
-        self.in_own_pool(|solver| {
-            let mut report = solver.solve_step(&PrescribedMotion::default());
-            solver.settle_under_own_law(&mut report);
-            report
-        })
+        self.solve_step(&PrescribedMotion::default())
     }
 
     /// Moves all ramps to their targets in one step, without cut-back, from the present state; without ramps, settles.
@@ -131,7 +127,6 @@ impl Solver {
             report.energy_released = departure.map_or(0.0, |departure| departure.released());
             self.history.work = balance.filter(|_| report.energy_released == 0.0).map(|(a, b)| [a.work, b.work]);
             self.moved.go_on(target, &lifted.spun);
-            self.in_own_pool(|solver| solver.settle_under_own_law(&mut report));
         }
         (report, false)
     }

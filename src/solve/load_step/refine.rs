@@ -4,7 +4,7 @@ use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
 use crate::rod::Rod;
-use crate::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Obstacle, Support};
+use crate::scene::{Joint, Model, NodeLoad, NodeRef, Obstacle, Support};
 use crate::solve::load_step::guess::Ahead;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::StepReport;
@@ -68,9 +68,7 @@ impl Solver {
     /// # Errors
     /// A rod that cannot be refined.
     pub fn refined(&self, factor: usize) -> Result<Self, InputError> {
-        let coarse = &self.engine;
-        let contact = Contact { law: coarse.contact_law() };
-        let model = Model { contact, ..coarse.model.refined(factor)? };
+        let (coarse, model) = (&self.engine, self.engine.model.refined(factor)?);
         let mut fine = Self::new(model, self.options.clone())?;
         let (mut positions, mut frames): (Vec<Vec3>, Vec<Quat>) = (Vec::new(), Vec::new());
         for (index, rod) in coarse.model.rods.iter().enumerate() {

@@ -13,7 +13,7 @@ use crate::solve::load_step::guess::{Ahead, ContactOfGuess, Guess, Task};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Attempt, Failed, Origin, Status, StepReport};
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::contact_side::{ContactSide, Touching};
+use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
@@ -23,22 +23,7 @@ use crate::solve::search::newton::SearchOptions;
 #[derive(Debug, Clone)]
 pub(crate) struct Snapshot {
     state: State,
-    contact: Option<ContactSnapshot>,
-}
-
-#[derive(Debug, Clone)]
-struct ContactSnapshot {
-    law: Law,
-    touching: Touching,
-    offsets: ContactField,
-    tangents: MaterialTangents,
-}
-
-impl ContactSnapshot {
-    fn of(side: &ContactSide) -> Self {
-        let ContactSide { law, touching, offsets, tangents, .. } = side;
-        Self { law: *law, touching: *touching, offsets: offsets.clone(), tangents: tangents.clone() }
-    }
+    contact: Option<(Law, ContactField, MaterialTangents)>,
 }
 
 impl Solver {
@@ -173,7 +158,10 @@ impl Solver {
     }
 
     pub(crate) fn snapshot(&self) -> Snapshot {
-        Snapshot { state: self.engine.state.clone(), contact: self.engine.contact.as_ref().map(ContactSnapshot::of) }
+        Snapshot {
+            state: self.engine.state.clone(),
+            contact: self.engine.contact.as_ref().map(|side| (side.law, side.offsets.clone(), side.tangents.clone())),
+        }
     }
 
     /// Restores a snapshot, contact geometry included.
@@ -181,9 +169,8 @@ impl Solver {
         self.engine.state = snapshot.state;
         // with the numbers of rods that it was made under
         self.engine.take_numbers().map_err(|error| SolveError::Symbolic { reason: error.to_string() })?;
-        if let (Some(side), Some(contact)) = (&mut self.engine.contact, snapshot.contact) {
-            (side.law, side.touching) = (contact.law, contact.touching);
-            (side.offsets, side.tangents) = (contact.offsets, contact.tangents);
+        if let (Some(side), Some((law, offsets, tangents))) = (&mut self.engine.contact, snapshot.contact) {
+            (side.law, side.offsets, side.tangents) = (law, offsets, tangents);
             side.before = None;
         }
         let state = self.engine.state.clone();

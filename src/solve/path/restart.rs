@@ -9,13 +9,12 @@
 use crate::contact::law::Law;
 use crate::error::InputError;
 use crate::math::{Quat, Vec3};
-use crate::scene::{Contact, Model, NodeRef, ObstaclePose};
+use crate::scene::{Model, NodeRef, ObstaclePose};
 use crate::solve::load_step::predictor::History;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::options::Options;
 use crate::solve::path::given::Given;
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::contact_side::Touching;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::Moved;
 use crate::solve::problem::state::State;
@@ -66,17 +65,12 @@ pub struct Restart {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct ContactRestart {
     law: Law,
-    touching: Touching,
     offsets: ContactField,
 }
 
 impl ContactRestart {
     fn of(engine: &Engine) -> Option<Self> {
-        engine.contact.as_ref().map(|side| Self {
-            law: side.law,
-            touching: side.touching,
-            offsets: side.offsets.clone(),
-        })
+        engine.contact.as_ref().map(|side| Self { law: side.law, offsets: side.offsets.clone() })
     }
 }
 
@@ -92,9 +86,7 @@ pub struct Equilibrium {
 impl Equilibrium {
     /// That of an engine.
     pub fn of(engine: &Engine) -> Self {
-        let contact = Contact { law: engine.contact_law() };
-        let model = Model { contact, ..engine.model.clone() };
-        Self { model, state: engine.state.clone(), contact: ContactRestart::of(engine) }
+        Self { model: engine.model.clone(), state: engine.state.clone(), contact: ContactRestart::of(engine) }
     }
 
     /// The problem.
@@ -136,7 +128,7 @@ impl Solver {
         match (&mut self.engine.contact, contact) {
             (None, None) => Ok(()),
             (Some(side), Some(saved)) if saved.offsets.fits(side.size(), &side.set) => {
-                (side.law, side.touching) = (saved.law, saved.touching);
+                side.law = saved.law;
                 side.before = None;
                 side.offsets = saved.offsets;
                 Ok(())

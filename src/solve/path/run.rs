@@ -12,6 +12,7 @@ use crate::solve::path::failure::Failure;
 use crate::solve::path::given::Given;
 use crate::solve::path::restart::{Place, Restart};
 use crate::solve::problem::engine::Engine;
+use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::timing::Instant;
 
 /// Part of a step up to which two steps end at the same place, because fractions are sums of halves.
@@ -196,7 +197,7 @@ impl LoadStepping<'_, '_> {
     /// Brings the start state to rest.
     fn find_start(&mut self) -> Result<Status, RunError> {
         let started = Instant::now();
-        let mut report = self.solver.find_equilibrium();
+        let mut report = self.solver.in_own_pool(|solver| solver.solve_step(&PrescribedMotion::default()));
         self.solver.judge_turning(&mut report);
         self.place.iterations = report.iterations;
         if let Some(error) = wrong_mesh(&report) {

@@ -10,7 +10,7 @@ use crate::error::{InputError, SolveError};
 use crate::rod::Natural;
 use crate::scene::ContactLaw;
 use crate::solve::problem::assembly::Residual;
-use crate::solve::problem::contact_side::{self, ContactSide, Touching};
+use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::engine::{Engine, Reference};
 use crate::solve::problem::state::{Numbers, State};
 
@@ -31,7 +31,6 @@ impl Engine {
         let raised = contact_side::stiffness(stiffness, self.scales.bending, side.min_radius);
         let offsets = if matches!(law, ContactLaw::Penalty { .. }) { side.no_offsets() } else { side.offsets.clone() };
         side.change_law(Law::Linear { stiffness: raised }, offsets);
-        side.touching = Touching::Lines;
         self.model.contact.law = law;
         self.law_asked = asked;
         Ok(())
@@ -176,8 +175,6 @@ impl Engine {
         let fresh = ContactSide::new(&self.model, &self.first_node, (&self.state, side.tangents.clone()), law_asked)?;
         let Some(mut fresh) = fresh else { return Ok(None) };
         fresh.replaces(side);
-        fresh.touching = side.touching;
-        let stiffness = self.law_where(side.touching, asked).stiffness().unwrap_or(stiffness);
         let ratio = contact_side::stiffness(stiffness, self.scales.bending, fresh.min_radius) / before;
         fresh.offsets = offsets.map(|_, offset| offset / ratio);
         if let Law::Linear { stiffness } = law {

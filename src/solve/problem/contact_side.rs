@@ -17,16 +17,6 @@ use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::near_surfaces::NearSurfaces;
 use crate::solve::problem::state::State;
 
-/// How strands touch, by which a law by the mesh is chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum Touching {
-    /// Along lines; or it is not known, or they do not.
-    Lines,
-    /// At points only.
-    Points,
-}
-
 /// Contact side of the engine; absent when the law is none.
 #[derive(Debug)]
 pub(crate) struct ContactSide {
@@ -56,8 +46,6 @@ pub(crate) struct ContactSide {
     generations_before: u64,
     /// Pressure against overlap.
     pub(crate) law: Law,
-    /// What the law was chosen for.
-    pub(crate) touching: Touching,
     /// Offsets c \[L\] (zero for a plain penalty).
     pub(crate) offsets: ContactField,
     /// Law and offsets before they were last changed, until a step has been taken under the new ones: see
@@ -129,7 +117,6 @@ impl ContactSide {
             repulsion,
             generations_before: 0,
             law: Law::Linear { stiffness: stiffness(dimensionless, bending, min_radius) },
-            touching: Touching::Lines,
             before: None,
             min_radius,
             is_current: false,

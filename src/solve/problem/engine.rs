@@ -14,7 +14,7 @@ use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, ElementProperties, Material, RodPlane, Strain, raw_strains, stiffness};
 use crate::rod::{Along, Natural, NaturalStrains, Rod};
 use crate::scene::{ContactLaw, Joint, JointKind, Model, NodeRef, Obstacle};
-use crate::solve::problem::contact_side::{self, ContactSide, Touching};
+use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::follower::Sharing;
 use crate::solve::problem::state::State;
@@ -217,22 +217,10 @@ impl Engine {
         Ok(())
     }
 
-    /// The contact law requested, with its stiffness as a number.
-    pub(crate) fn contact_law(&self) -> ContactLaw {
-        let touching = self.contact.as_ref().map_or(Touching::Lines, |side| side.touching);
-        self.law_where(touching, self.model.contact.law)
-    }
-
-    /// A law by the mesh of lines, where strands touch in some way; given laws are for all.
-    pub(in crate::solve) fn law_where(&self, touching: Touching, law: ContactLaw) -> ContactLaw {
-        let is_by_mesh = matches!(self.law_asked, ContactLaw::ByMesh { .. });
-        if is_by_mesh && touching == Touching::Points { law.at_points() } else { law }
-    }
-
     /// Stiffness of the contact law requested \[F/L²\]; 0 without contact.
     pub(crate) fn contact_stiffness(&self) -> f64 {
         let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
-        contact_side::stiffness(self.contact_law().stiffness().unwrap_or(0.0), self.scales.bending, radius)
+        contact_side::stiffness(self.model.contact.law.stiffness().unwrap_or(0.0), self.scales.bending, radius)
     }
 
     /// How many times softer than requested the contact law in force is; 1 without contact, and under a core law,
