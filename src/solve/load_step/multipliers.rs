@@ -196,8 +196,7 @@ impl Solver {
         outstanding
     }
 
-    /// Raises the offsets by the smallest gap near each node, and lowers them by secant steps where it is too wide,
-    /// never below zero.
+    /// Raises and lowers the offsets by secant steps that close the smallest gap near each node, never below zero.
     pub(in crate::solve) fn augment(&mut self, gaps: &ContactField, secant_steps: &mut SecantSteps) {
         let Some(side) = &mut self.engine.contact else { return };
         let open = OPEN * side.min_radius;
@@ -205,9 +204,8 @@ impl Solver {
         secant_steps.adapt(&side.set, gaps, open);
         let raised = |k: usize, gap: f64| {
             let offset = before.values[k];
-            // gaps within the tolerance stay: lowering their offsets little by little would keep others from closing
-            let stays = gap > 0.0 && gap <= open;
-            if stays { offset } else { (offset - secant_steps.secant_steps.values[k] * gap).max(0.0) }
+            // lowering offsets of closed gaps little by little would keep others from closing
+            if is_closed(gap, open) { offset } else { (offset - secant_steps.secant_steps.values[k] * gap).max(0.0) }
         };
         let offsets = gaps.map(raised);
         secant_steps.before = Some([gaps.clone(), before.map(|k, offset| offset - offsets.values[k])]);
@@ -215,8 +213,14 @@ impl Solver {
     }
 }
 
-/// Secant steps that lower the offsets of gaps open under force. At the edge of a zone, or between two nodes that carry a
-/// contact, a gap may hardly depend on the offset; lowered by the gap alone, such an offset would not let go.
+/// Whether a gap is closed, up to the width `open` that counts \[L\].
+fn is_closed(gap: f64, open: f64) -> bool {
+    (0.0..=open).contains(&gap)
+}
+
+/// Secant steps of the offsets. At the edge of a zone, or between two nodes that carry a contact, a gap may hardly depend on the
+/// offset; lowered by the gap alone, such an offset would not let go. Overlaps that vary from node to node would hardly close: at
+/// a wave number q rods follow an offset by a share κ/(κ + Bq⁴) of it.
 #[derive(Debug, Default)]
 pub(in crate::solve) struct SecantSteps {
     secant_steps: ContactField,
@@ -244,8 +248,8 @@ impl SecantSteps {
         left
     }
 
-    /// Factors for these gaps: 1 where strands touch or overlap; where a gap was wider than `open` \[L\] before and
-    /// still is, the factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last.
+    /// Factors for these gaps: 1 at first; where a gap is not closed, up to `open` \[L\], though its offset was changed for it, the
+    /// factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last.
     fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, open: f64) {
         let Some(before) = &self.before else {
             self.secant_steps = gaps.map(|_, _| 1.0);
@@ -254,7 +258,7 @@ impl SecantSteps {
         let [before, lowered] = before.each_ref().map(|numbers| numbers.at_places_of(set, gaps).values);
         let secant_steps = self.secant_steps.at_places_of(set, gaps).values;
         self.secant_steps = gaps.map(|k, gap| {
-            let stays = gap > open && before[k] > open && lowered[k] > 0.0;
+            let stays = !is_closed(gap, open) && gap * lowered[k] > 0.0;
             let closed = if stays { ((before[k] - gap) / lowered[k]).max(0.0) } else { 1.0 };
             (1.0 / closed).min(MAX_SECANT_GROWTH * secant_steps[k]).max(1.0)
         });
