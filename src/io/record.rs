@@ -1,4 +1,4 @@
-//! Files of a run: tables, final state, VTK, pictures, summary. Each kind has a [`Writer`] in a file of its own.
+//! Files of a run: tables, final state, VTK, pictures, summary. Each kind has a `Writer` in a file of its own.
 
 mod base_pairs;
 mod files;

@@ -249,7 +249,8 @@ impl SecantSteps {
     }
 
     /// Factors for these gaps: 1 at first; where a gap is not closed, up to `open` \[L\], though its offset was changed for it, the
-    /// factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last.
+    /// factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last. A gap that does not follow at all, as
+    /// between supports, does not say how far to go.
     fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, open: f64) {
         let Some(before) = &self.before else {
             self.secant_steps = gaps.map(|_, _| 1.0);
@@ -259,7 +260,8 @@ impl SecantSteps {
         let secant_steps = self.secant_steps.at_places_of(set, gaps).values;
         self.secant_steps = gaps.map(|k, gap| {
             let stays = !is_closed(gap, open) && gap * lowered[k] > 0.0;
-            let closed = if stays { ((before[k] - gap) / lowered[k]).max(0.0) } else { 1.0 };
+            let followed = if stays { (before[k] - gap) / lowered[k] } else { 1.0 };
+            let closed = if gap < 0.0 && followed < NOTHING { 1.0 } else { followed.max(0.0) };
             (1.0 / closed).min(MAX_SECANT_GROWTH * secant_steps[k]).max(1.0)
         });
     }
