@@ -192,6 +192,7 @@ impl Solver {
             }
         }
         secant_steps.rounds += 1;
+        secant_steps.tolerated = tol * self.engine.contact.as_ref().map_or(0.0, |side| side.min_radius);
         outstanding.gaps = (!met || releases).then_some(gaps);
         outstanding
     }
@@ -205,17 +206,13 @@ impl Solver {
         let raised = |k: usize, gap: f64| {
             let offset = before.values[k];
             // lowering offsets of closed gaps little by little would keep others from closing
-            if is_closed(gap, open) { offset } else { (offset - secant_steps.secant_steps.values[k] * gap).max(0.0) }
+            let is_closed = gap > 0.0 && gap <= open;
+            if is_closed { offset } else { (offset - secant_steps.secant_steps.values[k] * gap).max(0.0) }
         };
         let offsets = gaps.map(raised);
         secant_steps.before = Some([gaps.clone(), before.map(|k, offset| offset - offsets.values[k])]);
         side.change_law(side.law, offsets);
     }
-}
-
-/// Whether a gap is closed, up to the width `open` that counts \[L\].
-fn is_closed(gap: f64, open: f64) -> bool {
-    (0.0..=open).contains(&gap)
 }
 
 /// Secant steps of the offsets. At the edge of a zone, or between two nodes that carry a contact, a gap may hardly depend on the
@@ -230,6 +227,8 @@ pub(in crate::solve) struct SecantSteps {
     released: Option<[ContactField; 2]>,
     /// Number of rounds so far.
     rounds: usize,
+    /// Overlap that is tolerated \[L\].
+    tolerated: f64,
 }
 
 impl SecantSteps {
@@ -248,8 +247,8 @@ impl SecantSteps {
         left
     }
 
-    /// Factors for these gaps: 1 at first; where a gap is not closed, up to `open` \[L\], though its offset was changed for it, the
-    /// factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last. A gap that does not follow at all, as
+    /// Factors for these gaps: 1 at first; where a gap is wider than `open` \[L\] or an overlap not tolerated, though the offset was
+    /// changed for it, the factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last. A gap that does not follow at all, as
     /// between supports, does not say how far to go.
     fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, open: f64) {
         let Some(before) = &self.before else {
@@ -259,7 +258,8 @@ impl SecantSteps {
         let [before, lowered] = before.each_ref().map(|numbers| numbers.at_places_of(set, gaps).values);
         let secant_steps = self.secant_steps.at_places_of(set, gaps).values;
         self.secant_steps = gaps.map(|k, gap| {
-            let stays = !is_closed(gap, open) && gap * lowered[k] > 0.0;
+            let is_met = (-self.tolerated..=open).contains(&gap);
+            let stays = !is_met && gap * lowered[k] > 0.0;
             let followed = if stays { (before[k] - gap) / lowered[k] } else { 1.0 };
             let closed = if gap < 0.0 && followed < NOTHING { 1.0 } else { followed.max(0.0) };
             (1.0 / closed).min(MAX_SECANT_GROWTH * secant_steps[k]).max(1.0)
