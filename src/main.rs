@@ -2,7 +2,8 @@
 //! `supercoil view DIR`, `supercoil export DIR`, `supercoil sweep …` and `supercoil help scene [KEY]`.
 //!
 //! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk full,
-//! read-only, folder in use), 4 converged with tubes inside each other, 130 stopped by Ctrl-C or `--time-limit`.
+//! read-only, folder in use), 4 converged with tubes inside each other, 5 converged but a check of the certificate fails, 130
+//! stopped by Ctrl-C or `--time-limit`.
 #![allow(clippy::print_stderr)] // a program prints to its user
 
 mod commands;

@@ -183,7 +183,6 @@ fn class(zones: &[SiteZone], a: usize, b: usize) -> std::ops::Range<usize> {
 }
 
 /// Zones, sorted, and what they are made of.
-#[derive(Default)]
 struct Composed {
     zones: Vec<SiteZone>,
     /// For each zone the pieces that it is the sum of, those with a negative force subtracted.

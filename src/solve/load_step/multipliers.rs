@@ -247,9 +247,9 @@ impl SecantSteps {
         left
     }
 
-    /// Factors for these gaps: 1 at first; where a gap is wider than `open` \[L\] or an overlap not tolerated, though the offset was
-    /// changed for it, the factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last. A gap that does not follow at all, as
-    /// between supports, does not say how far to go.
+    /// Factors for these gaps: 1 at first; where a gap is wider than `open` \[L\] or an overlap not tolerated, though the
+    /// offset was changed for it, the factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last. An
+    /// overlap that does not follow at all, as between supports, does not say how far to go.
     fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, open: f64) {
         let Some(before) = &self.before else {
             self.secant_steps = gaps.map(|_, _| 1.0);
@@ -260,9 +260,10 @@ impl SecantSteps {
         self.secant_steps = gaps.map(|k, gap| {
             let is_met = (-self.tolerated..=open).contains(&gap);
             let stays = !is_met && gap * lowered[k] > 0.0;
-            let followed = if stays { (before[k] - gap) / lowered[k] } else { 1.0 };
-            let closed = if gap < 0.0 && followed < NOTHING { 1.0 } else { followed.max(0.0) };
-            (1.0 / closed).min(MAX_SECANT_GROWTH * secant_steps[k]).max(1.0)
+            let followed = if stays { ((before[k] - gap) / lowered[k]).max(0.0) } else { 1.0 };
+            let is_held = gap < 0.0 && followed < NOTHING;
+            let factor = if is_held { 1.0 } else { 1.0 / followed };
+            factor.min(MAX_SECANT_GROWTH * secant_steps[k]).max(1.0)
         });
     }
 }
