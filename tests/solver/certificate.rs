@@ -118,8 +118,11 @@ fn a_knot_that_slips_off_before_the_first_step_is_noted() {
 /// neither site. The sites on either side of it are one contact.
 #[test]
 fn contacts_of_strands_bent_about_each_other_balance() {
-    let states = of_file("knot_6_3_at_rest");
-    let start = &states[0];
-    assert!(start.certificate.holds(), "{}", start.certificate);
-    assert!((7..=9).contains(&start.sites.len()), "{:?}", start.sites);
+    // the first fails if sites have the arcs of one strand's zones only, the second has 12 sites if zones of a fold are not joined
+    for (name, sites) in [("knot_6_3_at_rest", 8), ("knot_8_8_at_rest", 11)] {
+        let states = of_file(name);
+        let start = &states[0];
+        assert!(start.certificate.holds(), "{name}: {}", start.certificate);
+        assert_eq!(start.sites.len(), sites, "{name}: {:?}", start.sites);
+    }
 }
