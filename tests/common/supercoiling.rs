@@ -101,7 +101,7 @@ pub fn go(start: Start, way: Way, options: &Options) -> Run {
         if progress.report.status == Status::Converged {
             let seen = observe(progress);
             energy = seen.energies.total - seen.energies.contact;
-            let asked = progress.engine.state().seams[0] / TAU;
+            let asked = progress.engine.state().seams()[0] / TAU;
             link_error = link_error.max((seen.links[0].link - asked).abs());
             gap = gap.min(seen.contact_gap.map_or(f64::INFINITY, |gap| gap.lower) / diameter);
         }

@@ -264,8 +264,8 @@ fn tiny_and_huge_numbers_are_refused_or_return() {
         let same = |state: &State, problem: Result<(Status, State), InputError>| {
             let (status, reference) = problem.unwrap();
             assert_eq!(status, Status::Converged, "{name}");
-            let moved = state.positions.iter().zip(&reference.positions).map(|(a, b)| (a - b).norm());
-            let turned = state.frames.iter().zip(&reference.frames).map(|(a, b)| a.angle_to(b));
+            let moved = state.positions().iter().zip(reference.positions()).map(|(a, b)| (a - b).norm());
+            let turned = state.frames().iter().zip(reference.frames()).map(|(a, b)| a.angle_to(b));
             moved.chain(turned).fold(0.0, f64::max)
         };
         for (values, end) in VALUES.iter().zip(expected(&name)) {

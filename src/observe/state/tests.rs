@@ -84,7 +84,7 @@ impl Resting {
         let mut engine = Engine::new(self.model.clone(), None).unwrap();
         engine.set_state(self.state.clone()).unwrap();
         // past the engine, which would refuse or mend it
-        engine.state = state;
+        *engine.state_mut() = state;
         let report = StepReport { num_unstable: seen.num_unstable, ..StepReport::settled() };
         let given = Some(&self.given);
         let progress =
@@ -103,10 +103,11 @@ impl Resting {
     /// Moves a rod as a whole: turns it about its first node and displaces it.
     fn carried(&self, state: &mut State, rod: usize, turn: &Quat, by: &Vec3) {
         let nodes = self.first(rod)..self.first(rod + 1);
-        let pivot = state.positions[nodes.start];
+        let (positions, frames) = state.nodes_mut();
+        let pivot = positions[nodes.start];
         for node in nodes {
-            state.positions[node] = pivot + turn * (state.positions[node] - pivot) + by;
-            state.frames[node] = turn * state.frames[node];
+            positions[node] = pivot + turn * (positions[node] - pivot) + by;
+            frames[node] = turn * frames[node];
         }
     }
 }
@@ -131,15 +132,15 @@ fn each_broken_promise_fails_its_check_and_no_other() {
     }
     // a quaternion that is too long, where all are equal and its length does nothing else
     let long = rest.failing(|state, _| {
-        let q = &mut state.frames[rest.first(ARM) + 5];
+        let q = &mut state.nodes_mut().1[rest.first(ARM) + 5];
         *q = Quat::new_unchecked(q.into_inner() * (1.0 + 1e-9));
     });
     assert_eq!(long, ["frames"]);
-    let turned = rest.failing(|state, _| state.frames[rest.first(HAND) + 18] *= exp(&(Vec3::z() * 2.9)));
+    let turned = rest.failing(|state, _| state.nodes_mut().1[rest.first(HAND) + 18] *= exp(&(Vec3::z() * 2.9)));
     assert_eq!(turned, ["turning", "balance of nodes", "energies"], "a twisted rod bears a moment");
 
     // a node out of balance, whose body is in balance; reports that are wrong
-    let moved = rest.failing(|state, _| state.positions[rest.first(LOWER) + 4].x += 1e-6);
+    let moved = rest.failing(|state, _| state.nodes_mut().0[rest.first(LOWER) + 4].x += 1e-6);
     assert_eq!(moved, ["balance of nodes", "energies"]);
     let both = ["balance of nodes", "balance of bodies"];
     let twice = rest.failing(|_, seen| {

@@ -106,7 +106,7 @@ impl Solver {
     fn node_gaps(&self) -> Vec<f64> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut gaps = vec![f64::INFINITY; side.offsets.num_nodes()];
-        for term in &self.engine.residual(&self.engine.state).contact_pairs {
+        for term in &self.engine.residual(self.engine.state()).contact_pairs {
             let [slave, master] = [term.slave, term.master].map(|k| &side.set.segments[k]);
             let reach = side.set.radius_of(term.slave) + side.set.radius_of(term.master);
             for (zone, k) in term.zones.iter().flat_map(|zone| [(zone, 0), (zone, 1)]) {
@@ -136,14 +136,14 @@ impl Solver {
         if self.engine.contact.is_none() {
             return ContactErrors::default();
         }
-        self.contact_errors_of(&self.engine.residual(&self.engine.state))
+        self.contact_errors_of(&self.engine.residual(self.engine.state()))
     }
 
     /// [`Solver::contact_errors`] from the residual of the present state, with zones.
     pub(in crate::solve) fn contact_errors_of(&self, residual: &Residual) -> ContactErrors {
         let Some(side) = &self.engine.contact else { return ContactErrors::default() };
         let window = |slave, master| self.window(side, slave, master);
-        let gaps = smallest_gaps(side, residual, &self.engine.state.positions, window);
+        let gaps = smallest_gaps(side, residual, self.engine.state().positions(), window);
         let penetration = gaps.values.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;
         ContactErrors { gaps, penetration }
     }
@@ -175,7 +175,7 @@ impl Solver {
         if self.engine.contact.is_none() {
             return Outstanding { penetration: 0.0, complementarity: Some(0.0), gaps: None };
         }
-        let residual = self.engine.residual(&self.engine.state);
+        let residual = self.engine.residual(self.engine.state());
         let ContactErrors { mut gaps, penetration } = self.contact_errors_of(&residual);
         let met = penetration <= tol;
         let mut outstanding = Outstanding { penetration, complementarity: None, gaps: None };

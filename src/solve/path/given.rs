@@ -49,7 +49,7 @@ impl Given {
             let Ramp::Hold(support) = ramp else { continue };
             for node in self.model.joined_nodes(support.node) {
                 let index = engine.first_node[node.rod] + node.node;
-                self.held.insert(node, (engine.state.positions[index], engine.state.frames[index]));
+                self.held.insert(node, (engine.state().positions()[index], engine.state().frames()[index]));
             }
         }
     }

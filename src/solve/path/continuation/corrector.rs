@@ -144,7 +144,7 @@ impl Tracer<'_> {
     pub(super) fn bare(&self, value: f64) -> Point {
         let engine = &self.solver.engine;
         Point {
-            state: engine.state.clone(),
+            state: engine.state().clone(),
             offsets: engine.contact.as_ref().map_or_else(ContactField::default, |side| side.offsets.clone()),
             value,
             tangent: PathMotion { field: Vec::new(), parameter: 0.0 },
@@ -161,7 +161,7 @@ impl Tracer<'_> {
     /// Puts the solver into a point.
     pub(super) fn enter(&mut self, point: &Point) -> Result<(), SolveError> {
         let solver = &mut *self.solver;
-        solver.engine.state = point.state.clone();
+        solver.engine.take_state(point.state.clone());
         solver.engine.take_tangents();
         if let Some(side) = &mut solver.engine.contact {
             side.offsets.clone_from(&point.offsets);
@@ -219,7 +219,7 @@ impl Tracer<'_> {
                 self.solver.forget_pressures();
             }
             let solver = &mut *self.solver;
-            solver.engine.state = point.state.clone();
+            solver.engine.take_state(point.state.clone());
             solver.workspace.refresh(&mut solver.engine, &point.state)?;
             if iteration > 0 && fraction == 1.0 && size <= tol {
                 return Ok(true);
