@@ -17,7 +17,7 @@ use super::{Check, Subject, Worst, first_nodes, node_name};
 use crate::math::quaternion::{exp, spin};
 use crate::math::{Quat, Vec3};
 use crate::rod::MAX_TURN;
-use crate::scene::{JointKind, Model, NodeRef, Pose, Ramp, Stage};
+use crate::scene::{JointKind, Model, NodeRef, Pose, Ramp, Stage, SupportChange};
 use crate::solve::Given;
 
 /// Largest deviation of a supported or joined node, node spacings or rad, because a frame is the product of one rotation an
@@ -158,14 +158,11 @@ impl Due {
         (node, [joined, turning]): (NodeRef, &[Vec<NodeRef>; 2]),
         part: f64,
     ) -> Option<()> {
-        for ramp in &stage.ramps {
-            match ramp {
-                Ramp::Hold(support) if joined.contains(&support.node) => {
-                    let (position, frame) = *given.held.get(&node)?;
-                    (self.position, self.frame, self.is_moved) = (position, frame, true);
-                }
-                _ => {}
-            }
+        let is_held =
+            |change: &SupportChange| matches!(change, SupportChange::Hold(support) if joined.contains(&support.node));
+        if stage.supports.iter().any(is_held) {
+            let (position, frame) = *given.held.get(&node)?;
+            (self.position, self.frame, self.is_moved) = (position, frame, true);
         }
         for ramp in &stage.ramps {
             match ramp {

@@ -49,7 +49,7 @@ fn scene() -> (Model, Vec<Stage>) {
     let turn = Ramp::Rotation { node: node(LOWER, 18), axis: Vec3::new(0.3, 1.0, 0.0), to: 0.05 };
     let link = Ramp::ExcessLink { rod: RING, to: 0.25 };
     let ramps = vec![down(0), down(18), turn, link, Ramp::Load { to: 1.0 }];
-    (Model { rods, supports, joints, loads, ..Model::default() }, vec![Stage { ramps, steps: 3 }])
+    (Model { rods, supports, joints, loads, ..Model::default() }, vec![Stage::new(ramps, 3)])
 }
 
 /// A state at rest, with what is reported of it.
@@ -189,7 +189,7 @@ fn without_contact_balance_is_sharp() {
     let [start, end] = [0, 18].map(|node| NodeRef { rod: 0, node });
     let loads = vec![NodeLoad { node: end, force: Vec3::new(0.3, 2.0, -1.0), moment: Vec3::x() * 0.1 }];
     let model = Model { rods, supports: vec![Support::clamp(start)], loads, ..Model::default() };
-    let rest = at_rest(model, &[Stage { ramps: vec![Ramp::Load { to: 1.0 }], steps: 3 }]);
+    let rest = at_rest(model, &[Stage::new(vec![Ramp::Load { to: 1.0 }], 3)]);
     let broken = rest.failing(|_, seen| seen.reactions[0].force[1] *= 1.0 + 1e-5);
     assert_eq!(broken, ["balance of nodes", "balance of bodies"]);
 }
@@ -235,7 +235,7 @@ fn what_a_bead_bears_is_balanced_and_its_gap_is_kept() {
     let obstacles = vec![Obstacle::bead("bead", &rods, node(0, 18), 0.1)];
     let down = Ramp::Displacement { node: node(0, 0), to: -Vec3::z() * 0.04 };
     let model = Model { rods, supports, obstacles, ..Model::default() };
-    let rest = at_rest(model, &[Stage { ramps: vec![down], steps: 2 }]);
+    let rest = at_rest(model, &[Stage::new(vec![down], 2)]);
     assert!(rest.seen.obstacle_sites.len() == 1 && rest.seen.sites.is_empty(), "{:?}", rest.seen.obstacle_sites);
     assert!(rest.seen.obstacle_sites[0].force > 0.05, "{:?}", rest.seen.obstacle_sites);
     assert_eq!(rest.failing(|_, _| ()), Vec::<String>::new());

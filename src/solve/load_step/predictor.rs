@@ -499,7 +499,7 @@ mod tests {
     #[test]
     fn a_path_does_not_know_its_stages() {
         let options = Options::default();
-        let stage = |to: f64, steps: usize| Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to }], steps };
+        let stage = |to: f64, steps: usize| Stage::new(vec![Ramp::ExcessLink { rod: 0, to }], steps);
         let path = |stages: &[Stage]| {
             let mut seen = Vec::new();
             let solution = run(clamped(true), stages, &options, &mut |progress| {

@@ -6,7 +6,7 @@ use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
 use crate::math::quaternion::exp;
 use crate::scene::model::{RemainingPath, unit};
-use crate::scene::{NodeRef, Pose, Ramp, Stage};
+use crate::scene::{NodeRef, Pose, Ramp, Stage, SupportChange};
 use crate::solve::load_step::guess::Ahead;
 use crate::solve::load_step::predictor::{FARTHEST, History, Prediction};
 use crate::solve::load_step::solver::Solver;
@@ -26,10 +26,19 @@ impl Solver {
     /// # Errors
     /// Ramps that do not fit the model, a [`Ramp::RotationAbout`] or a [`Ramp::Pose`] by more than [`Ramp::MAX_ROUND`].
     pub fn step_to(&mut self, ramps: &[Ramp]) -> Result<StepReport, InputError> {
-        if !ramps.is_empty() {
-            self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
+        self.step_through(&Stage::new(ramps.to_vec(), 1))
+    }
+
+    /// As [`Solver::step_to`], for the ramps of a stage, whose changes of supports are made before; without either, settles.
+    ///
+    /// # Errors
+    /// Those of [`Solver::step_to`]; changes of supports that do not fit the model.
+    pub fn step_through(&mut self, stage: &Stage) -> Result<StepReport, InputError> {
+        let ramps = &stage.ramps[..];
+        if !ramps.is_empty() || !stage.supports.is_empty() {
+            self.engine.model.check_stages(&[Stage { steps: 1, ..stage.clone() }])?;
         }
-        self.change_supports(ramps)
+        self.change_supports(&stage.supports)
             .map_err(|error| InputError::Inconsistent { field: "ramp".to_owned(), reason: error.to_string() })?;
         self.note_numbers(ramps);
         let round = self.largest_round(ramps);
@@ -241,8 +250,6 @@ impl Solver {
                     let now = self.engine.model.rods[*rod].number(*which);
                     target.numbers.insert((*rod, *which), if take == 1.0 { *to } else { between(now, *to) });
                 }
-                // done before the stage's first step
-                Ramp::Hold(_) | Ramp::Release(_) => {}
             }
         }
         target.drive.nodes = self.engine.with_joined(&target.drive.nodes);
@@ -275,8 +282,8 @@ impl Solver {
     ///
     /// # Errors
     /// Contact geometry that breaks down.
-    pub(in crate::solve) fn change_supports(&mut self, ramps: &[Ramp]) -> Result<(), SolveError> {
-        if !self.engine.model.change_supports(ramps) {
+    pub(in crate::solve) fn change_supports(&mut self, changes: &[SupportChange]) -> Result<(), SolveError> {
+        if !self.engine.model.change_supports(changes) {
             return Ok(());
         }
         self.engine.find_unknowns();

@@ -69,9 +69,8 @@ impl Parameter {
                     "leads round a circle, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
                 return Err(InputError::Inconsistent { field: "ramp.rotation".to_owned(), reason });
             }
-            Ramp::Number { .. } | Ramp::Obstacle { .. } | Ramp::Hold(_) | Ramp::Release(_) => {
-                let reason =
-                    "numbers of rods, obstacles and supports change in steps only (`step_to`, `run`)".to_owned();
+            Ramp::Number { .. } | Ramp::Obstacle { .. } => {
+                let reason = "numbers of rods and obstacles change in steps only (`step_to`, `run`)".to_owned();
                 return Err(InputError::Inconsistent { field: "ramp".to_owned(), reason });
             }
             Ramp::Pose { .. } => {
