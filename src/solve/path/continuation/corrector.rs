@@ -297,7 +297,7 @@ impl Tracer<'_> {
             _ => f64::INFINITY,
         };
         let still = PathMotion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
-        let mut secant_steps = SecantSteps::default();
+        let mut secant_steps = SecantSteps::new(tol);
         let mut num_followed = 0;
         loop {
             if num_followed < MAX_TANGENT_ROUNDS && self.solver.engine.follow_tangents() {
@@ -307,7 +307,7 @@ impl Tracer<'_> {
                 }
                 continue;
             }
-            let outstanding = self.solver.outstanding(tol, &mut secant_steps);
+            let outstanding = self.solver.outstanding(&mut secant_steps);
             point.penetration = outstanding.penetration;
             point.complementarity = outstanding.complementarity.unwrap_or(point.complementarity);
             let Some(gaps) = outstanding.gaps else { break };
