@@ -129,7 +129,7 @@ fn main() {
             report.penetration
         );
         assert_eq!(report.status, Status::Converged);
-        let wanted = solver.engine().state().seams[0];
+        let wanted = solver.engine().state().seams()[0];
         assert!(wanted.is_finite() && report.penetration < 1e-7);
     }
 }

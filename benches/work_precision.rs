@@ -153,7 +153,7 @@ fn bend(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
         contact: Contact::NONE,
         ..Model::default()
     };
-    go(model, knobs, &[Stage { ramps: vec![Ramp::Load { to: 1.0 }], steps: knobs.steps }])
+    go(model, knobs, &[Stage::new(vec![Ramp::Load { to: 1.0 }], knobs.steps)])
 }
 
 /// The twisted ring, taken past its instability in two steps and then to an excess link in the stated number.
@@ -162,7 +162,7 @@ fn ring(knobs: &Knobs, diameter: f64, target: f64, steps: usize) -> Option<(Solv
     let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
     let rod =
         Rod::new("ring", &circle, RodMesh::closed(knobs.elements, knobs.order), section, Natural::Straight).ok()?;
-    let stage = |(to, steps)| Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to }], steps };
+    let stage = |(to, steps)| Stage::new(vec![Ramp::ExcessLink { rod: 0, to }], steps);
     let stages = [(1.1, 1), (1.2, 1), (target, steps)].map(stage);
     go(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, knobs, &stages)
 }
@@ -187,7 +187,7 @@ fn minicircle(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     let circle = Shape::Circle { length: 336.0 * dna::RISE, center: Vec3::zeros(), normal: Vec3::z() };
     let rod =
         Rod::new("dna", &circle, RodMesh::closed(knobs.elements, knobs.order), section, Natural::Straight).ok()?;
-    let stage = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: -3.0 }], steps: 5 * knobs.steps };
+    let stage = Stage::new(vec![Ramp::ExcessLink { rod: 0, to: -3.0 }], 5 * knobs.steps);
     go(Model { rods: vec![rod], contact: law(knobs), ..Model::default() }, knobs, &[stage])
 }
 
@@ -231,7 +231,7 @@ fn beams(knobs: &Knobs) -> Option<(Solver, Observation, usize)> {
     let line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
     let model = Model { rods, supports, line_loads, contact: law(knobs), planar: true, ..Model::default() };
     let touch = 192.0 * gap;
-    go(model, knobs, &[Stage { ramps: vec![Ramp::Load { to: 12.0 * touch }], steps: knobs.steps.max(2) }])
+    go(model, knobs, &[Stage::new(vec![Ramp::Load { to: 12.0 * touch }], knobs.steps.max(2))])
 }
 
 const NONE: Numbers =

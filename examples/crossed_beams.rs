@@ -42,7 +42,7 @@ pub fn run(depth: f64) -> Result<Summary, RunError> {
     let ((lower, [a, b]), (upper, [c, d])) = (beam("lower", 0, Vec3::x(), 0.0)?, beam("upper", 1, Vec3::y(), height)?);
     let down =
         |support: Support| Ramp::Displacement { node: support.node, to: Vec3::z() * (2.0 * radius - height - depth) };
-    let stage = Stage { ramps: vec![down(c), down(d)], steps: 10 };
+    let stage = Stage::new(vec![down(c), down(d)], 10);
     let model = Model { rods: vec![lower, upper], supports: vec![a, b, c, d], ..Model::default() };
     let mut force = 0.0;
     let solution = solve::run(model, &[stage], &Options::default(), &mut |progress| {

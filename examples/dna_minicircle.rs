@@ -36,7 +36,7 @@ pub fn run(excess_link: f64, elements: usize, out: &Path, bar: &ProgressBar) -> 
         title: format!("336 bp minicircle, excess link to {excess_link}"),
         units: units(),
         model: Model { rods: vec![rod], ..Model::default() },
-        stages: vec![Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: excess_link }], steps: 30 }],
+        stages: vec![Stage::new(vec![Ramp::ExcessLink { rod: 0, to: excess_link }], 30)],
         ..Scene::default()
     };
     run_scene(scene, out, &mut |step| {

@@ -36,8 +36,8 @@ pub fn run(steps: usize) -> Result<Summary, RunError> {
     let inwards = |node, x: f64| Ramp::Displacement { node, to: Vec3::x() * x };
     let turn = |node, to| Ramp::Rotation { node, axis: Vec3::z(), to };
     let stages = [
-        Stage { ramps: vec![inwards(a, -0.29), inwards(b, 0.29)], steps },
-        Stage { ramps: vec![turn(a, 0.125), turn(b, -0.125)], steps },
+        Stage::new(vec![inwards(a, -0.29), inwards(b, 0.29)], steps),
+        Stage::new(vec![turn(a, 0.125), turn(b, -0.125)], steps),
     ];
     let (mut first_touch, mut last) = (None, None);
     let solution = solve::run(model, &stages, &Options::default(), &mut |progress| {

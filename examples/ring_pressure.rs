@@ -31,7 +31,7 @@ pub fn run(pressure: f64, steps: usize) -> Result<Summary, RunError> {
     let section = Section::isotropic(1.0, 1.0, 1e5, 1e5, 0.05);
     let ring = Rod::new("ring", &Shape::Points(oval), RodMesh::closed(32, 3), section, Natural::AsShaped)?;
     let model = Model { rods: vec![ring], planar: true, ..Model::default() };
-    let stage = Stage { ramps: vec![Ramp::Pressure { rod: 0, to: pressure }], steps };
+    let stage = Stage::new(vec![Ramp::Pressure { rod: 0, to: pressure }], steps);
     let (mut first_touch, mut last) = (None, None);
     let solution = solve::run(model, &[stage], &Options::default(), &mut |progress| {
         let state = observe(progress);

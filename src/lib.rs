@@ -31,7 +31,7 @@
 //! let end = NodeRef { rod: 0, node: rod.num_nodes() - 1 };
 //! let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 }), Support::clamp(end)];
 //! let model = Model { rods: vec![rod], supports, ..Model::default() };
-//! let turn = Stage { ramps: vec![Ramp::Rotation { node: end, axis: Vec3::x(), to: 0.5 }], steps: 4 };
+//! let turn = Stage::new(vec![Ramp::Rotation { node: end, axis: Vec3::x(), to: 0.5 }], 4);
 //!
 //! let mut moment = 0.0;
 //! let solution = solve::run(model, &[turn], &Options::default(), &mut |progress| {

@@ -59,11 +59,15 @@ impl Solver {
         text: Option<&str>,
     ) -> PyResult<(String, Option<String>, usize, usize, usize, usize)> {
         let stages = text.map(|text| self.scene.stages_from_toml(text)).transpose().map_err(refuse::input)?;
-        let ramps: Vec<scene::Ramp> = stages.into_iter().flatten().flat_map(|stage| stage.ramps).collect();
+        let mut whole = scene::Stage::new(Vec::new(), 1);
+        for stage in stages.into_iter().flatten() {
+            whole.supports.extend(stage.supports);
+            whole.ramps.extend(stage.ramps);
+        }
         let mut driven = self.lock()?;
         let driven = &mut *driven;
         let started = std::time::Instant::now();
-        let work = |_: std::sync::mpsc::Sender<()>| driven.solver.step_to(&ramps);
+        let work = |_: std::sync::mpsc::Sender<()>| driven.solver.step_through(&whole);
         let report = supervised(py, &self.interrupt, work, |()| Ok(()))?.map_err(refuse::input)?;
         driven.seconds = started.elapsed().as_secs_f64();
         driven.step += 1;
@@ -100,6 +104,9 @@ impl Solver {
         max_points: usize,
     ) -> PyResult<(String, Vec<(&'static str, f64, usize, State)>)> {
         let stages = self.scene.stages_from_toml(text).map_err(refuse::input)?;
+        if stages.iter().any(|stage| !stage.supports.is_empty()) {
+            return Err(refuse::damaged("follow", "changes supports, which change in steps only (`step_to`, `run`)"));
+        }
         let ramp = stages.into_iter().flat_map(|stage| stage.ramps).next();
         let ramp = ramp.ok_or_else(|| refuse::damaged("follow", "has no ramp"))?;
         let start = match start {

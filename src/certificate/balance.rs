@@ -63,7 +63,7 @@ impl NodalForces {
 pub(super) fn checks(subject: &Subject) -> Vec<Check> {
     let Some(contact) = subject.contact else { return Vec::new() };
     let first = first_nodes(subject.model);
-    let mut outer = NodalForces::none(subject.state.positions.len());
+    let mut outer = NodalForces::none(subject.state.positions().len());
     add_loads(subject, &first, &mut outer);
     add_reactions(subject, &first, &mut outer);
     let charged = subject.model.electrostatics.is_some();
@@ -107,7 +107,7 @@ impl Scale {
 /// Dead forces and moments, line loads ∫ N_a f ds and pressure ±∫ N_a p ẑ × r′ ds, minus for shapes given clockwise.
 fn add_loads(subject: &Subject, first: &[usize], out: &mut NodalForces) {
     let (model, state) = (subject.model, subject.state);
-    let factor = state.load_factor;
+    let factor = state.load_factor();
     for load in &model.loads {
         let spacing = model.rods[load.node.rod].spacing();
         out.add(first[load.node.rod] + load.node.node, load.force * factor, load.moment * factor, spacing);
@@ -115,7 +115,7 @@ fn add_loads(subject: &Subject, first: &[usize], out: &mut NodalForces) {
     let exact = gauss(3);
     for (k, rod) in model.rods.iter().enumerate() {
         let along: Vec<_> = model.line_loads.iter().filter(|load| load.rod == k).collect();
-        let pressure = state.pressures[k] * sense(&rod.positions);
+        let pressure = state.pressures()[k] * sense(&rod.positions);
         if along.is_empty() && pressure == 0.0 {
             continue;
         }
@@ -323,7 +323,7 @@ fn nodes(subject: &Subject, (first, contact): (&[usize], &[ContactForce]), all: 
             let place = NodeRef { rod: k, node };
             let (mut force, mut moment) = (all.force[index], all.moment[index]);
             leave_out_held(model, (&mut force, &mut moment));
-            let at = &state.positions[index];
+            let at = &state.positions()[index];
             let start = || Wrench::about(*at, rod.spacing(), place);
             match stretches.mark[index] {
                 0 => {
@@ -375,7 +375,7 @@ fn joints(subject: &Subject, first: &[usize], scale: &Scale) -> Option<Check> {
             let hinged = model.hinged_nodes(end);
             moments.clone().for_each(|k| sum(&hinged, &|at| at.moment[k], lever));
             let rod = &model.rods[end.rod];
-            let turn = state.frames[first[end.rod] + end.node] * rod.frames[end.node].inverse();
+            let turn = state.frames()[first[end.rod] + end.node] * rod.frames[end.node].inverse();
             if let Some(axis) = model.hinge_axis(joint).map(|axis| turn * axis) {
                 sum(&model.turning_nodes(end), &|at| at.moment.dot(&axis), lever);
             }
@@ -399,7 +399,7 @@ fn bodies(
     for (k, rod) in model.rods.iter().enumerate() {
         for node in 0..rod.num_nodes() {
             let (index, place) = (first[k] + node, NodeRef { rod: k, node });
-            let at = &state.positions[index];
+            let at = &state.positions()[index];
             let sum = sums[bodies[k]].get_or_insert_with(|| Wrench::about(*at, rod.spacing(), place));
             let (mut force, mut moment) = (outer.force[index], outer.moment[index]);
             leave_out_held(model, (&mut force, &mut moment));

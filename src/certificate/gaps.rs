@@ -267,7 +267,7 @@ pub(crate) fn gaps(subject: &Subject, arcs: &Arcs) -> (Option<OwnGap>, Option<Ch
     for (k, obstacle) in model.obstacles.iter().enumerate() {
         let at = at_obstacle(subject, k);
         let own: Vec<Vec<[f64; 2]>> =
-            (0..model.rods.len()).map(|rod| beside_node(model, (obstacle, state.placements[k].level), rod)).collect();
+            (0..model.rods.len()).map(|rod| beside_node(model, (obstacle, state.placements()[k].level), rod)).collect();
         let round = |rod: usize| if model.rods[rod].closed { model.rods[rod].length } else { 0.0 };
         let touches = |arc: &&Arc| !overlaps(&own[arc.rod], [arc.arc[0], arc.arc[0] + arc.arc[1]], round(arc.rod));
         for arc in arcs.all.iter().filter(touches) {

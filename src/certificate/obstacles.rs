@@ -18,13 +18,13 @@ pub(super) fn at_obstacle(subject: &Subject, index: usize) -> impl Fn(&Vec3) -> 
     let (model, state) = (subject.model, subject.state);
     let obstacle = &model.obstacles[index];
     let (skeleton, side) = (obstacle.skeleton, obstacle.side);
-    let ObstaclePose { level, displacement, turns, .. } = state.placements[index];
+    let ObstaclePose { level, displacement, turns, .. } = state.placements()[index];
     let hinge = obstacle.hinge.filter(|_| turns != 0.0);
     // where the node was and is
     let carrier = obstacle.carrier.map(|at| {
         let (rod, node) = (&model.rods[at.rod], first_nodes(model)[at.rod] + at.node);
-        let place = state.positions[node] + state.remainders()[node];
-        ([rod.positions[at.node], place], rod.frames[at.node] * state.frames[node].inverse())
+        let place = state.positions()[node] + state.remainders()[node];
+        ([rod.positions[at.node], place], rod.frames[at.node] * state.frames()[node].inverse())
     });
     move |x: &Vec3| {
         let carried_back = |([then, now], turn): ([Vec3; 2], Quat)| then + turn * (x - now);

@@ -54,10 +54,10 @@ impl<'a> PlacedRod<'a> {
         let nodes = first..first + rod.1.num_nodes();
         Self {
             rod: rod.1,
-            positions: &state.positions[nodes.clone()],
+            positions: &state.positions()[nodes.clone()],
             remainders: &state.remainders()[nodes.clone()],
-            frames: &state.frames[nodes],
-            seam: state.seams[rod.0],
+            frames: &state.frames()[nodes],
+            seam: state.seams()[rod.0],
         }
     }
 

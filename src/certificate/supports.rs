@@ -17,7 +17,7 @@ use super::{Check, Subject, Worst, first_nodes, node_name};
 use crate::math::quaternion::{exp, spin};
 use crate::math::{Quat, Vec3};
 use crate::rod::MAX_TURN;
-use crate::scene::{JointKind, Model, NodeRef, Pose, Ramp, Stage};
+use crate::scene::{JointKind, Model, NodeRef, Pose, Ramp, Stage, SupportChange};
 use crate::solve::Given;
 
 /// Largest deviation of a supported or joined node, node spacings or rad, because a frame is the product of one rotation an
@@ -36,7 +36,7 @@ pub(super) fn checks(subject: &Subject) -> Vec<Check> {
 fn frames(subject: &Subject) -> Check {
     let mut worst = Worst::none();
     for_nodes(subject.model, |node, index| {
-        worst.add((subject.state.frames[index].norm() - 1.0).abs(), || node_name(subject.model, node));
+        worst.add((subject.state.frames()[index].norm() - 1.0).abs(), || node_name(subject.model, node));
     });
     Check::new("frames", worst.value, TOL_UNIT, worst.detail("| |q| − 1 |"))
 }
@@ -46,9 +46,9 @@ fn turning(subject: &Subject) -> Check {
     let first = first_nodes(model);
     let mut worst = Worst::none();
     for (k, rod) in model.rods.iter().enumerate() {
-        let frames = &state.frames[first[k]..first[k + 1]];
+        let frames = &state.frames()[first[k]..first[k + 1]];
         for node in 0..rod.num_segments() {
-            let next = if node + 1 < frames.len() { frames[node + 1] } else { frames[0] * spin(state.seams[k]) };
+            let next = if node + 1 < frames.len() { frames[node + 1] } else { frames[0] * spin(state.seams()[k]) };
             let turns = frames[node].angle_to(&next) / TAU;
             worst.add(turns, || node_name(model, NodeRef { rod: k, node }));
         }
@@ -67,12 +67,13 @@ fn joints(subject: &Subject) -> Option<Check> {
         let [a, b] = [joint.a, joint.b].map(|node| first[node.rod] + node.node);
         let given = |node: NodeRef| (model.rods[node.rod].positions[node.node], model.rods[node.rod].frames[node.node]);
         let ((x_a, q_a), (x_b, q_b)) = (given(joint.a), given(joint.b));
-        let apart = (state.positions[a] - state.positions[b]) + (state.remainders()[a] - state.remainders()[b]);
+        let apart = (state.positions()[a] - state.positions()[b]) + (state.remainders()[a] - state.remainders()[b]);
         let spacing = model.rods[joint.a.rod].spacing().min(model.rods[joint.b.rod].spacing());
         let turned = match (joint.kind, model.hinge_axis(joint)) {
-            (JointKind::Rigid, _) => (state.frames[a].inverse() * state.frames[b]).angle_to(&(q_a.inverse() * q_b)),
+            (JointKind::Rigid, _) => (state.frames()[a].inverse() * state.frames()[b]).angle_to(&(q_a.inverse() * q_b)),
             (_, Some(axis)) => {
-                let [of_a, of_b] = [(a, q_a), (b, q_b)].map(|(at, given)| state.frames[at] * (given.inverse() * axis));
+                let [of_a, of_b] =
+                    [(a, q_a), (b, q_b)].map(|(at, given)| state.frames()[at] * (given.inverse() * axis));
                 of_a.cross(&of_b).norm().atan2(of_a.dot(&of_b))
             }
             _ => 0.0,
@@ -93,9 +94,9 @@ fn supports(subject: &Subject) -> Option<Check> {
         let Some(due) = Due::of(given, node, stage, fraction) else { continue };
         let index = first[node.rod] + node.node;
         let spacing = model.rods[node.rod].spacing();
-        let off = (state.positions[index] - due.position) + state.remainders()[index];
+        let off = (state.positions()[index] - due.position) + state.remainders()[index];
         let moved = (0..3).filter(|&k| support.position[k]).map(|k| off[k].abs() / spacing).fold(0.0, largest);
-        let turned = due.turned_off(&state.frames[index], model.fixed(node).1);
+        let turned = due.turned_off(&state.frames()[index], model.fixed(node).1);
         worst.add(largest(moved, turned), || node_name(model, node));
     }
     Some(Check::new("supports", worst.value, TOL_POSE, worst.detail("node spacings or rad")))
@@ -157,14 +158,11 @@ impl Due {
         (node, [joined, turning]): (NodeRef, &[Vec<NodeRef>; 2]),
         part: f64,
     ) -> Option<()> {
-        for ramp in &stage.ramps {
-            match ramp {
-                Ramp::Hold(support) if joined.contains(&support.node) => {
-                    let (position, frame) = *given.held.get(&node)?;
-                    (self.position, self.frame, self.is_moved) = (position, frame, true);
-                }
-                _ => {}
-            }
+        let is_held =
+            |change: &SupportChange| matches!(change, SupportChange::Hold(support) if joined.contains(&support.node));
+        if stage.supports.iter().any(is_held) {
+            let (position, frame) = *given.held.get(&node)?;
+            (self.position, self.frame, self.is_moved) = (position, frame, true);
         }
         for ramp in &stage.ramps {
             match ramp {

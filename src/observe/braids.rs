@@ -95,6 +95,9 @@ fn carried(given: &Given, node: NodeRef, tangent: &Vec3, stage: usize, fraction:
     let mut turned = 0.0;
     for (k, of) in given.stages.iter().enumerate().take(stage + 1) {
         let part = if k < stage { 1.0 } else { fraction };
+        if of.supports.iter().any(|change| change.support().node == node) {
+            return None;
+        }
         for ramp in &of.ramps {
             match ramp {
                 Ramp::RotationAbout { node: at, axis, to, .. } if *at == node => {
@@ -110,7 +113,6 @@ fn carried(given: &Given, node: NodeRef, tangent: &Vec3, stage: usize, fraction:
                     return None;
                 }
                 Ramp::Pose { node: at, .. } if *at == node => return None,
-                Ramp::Hold(support) | Ramp::Release(support) if support.node == node => return None,
                 _ => {}
             }
         }

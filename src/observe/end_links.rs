@@ -100,6 +100,9 @@ fn turned_ends(model: &Model, stages: &[Stage], rod: usize) -> Option<Vec<(Strin
             return None;
         }
         let (tangent, joined) = (of.frames[node.node] * Vec3::z(), model.joined_nodes(node));
+        if stages.iter().flat_map(|stage| &stage.supports).any(|change| joined.contains(&change.support().node)) {
+            return None;
+        }
         for ramp in stages.iter().flat_map(|stage| &stage.ramps) {
             match ramp {
                 Ramp::Rotation { node: at, axis, .. } if *at == node => {
@@ -113,7 +116,6 @@ fn turned_ends(model: &Model, stages: &[Stage], rod: usize) -> Option<Vec<(Strin
                     }
                 }
                 Ramp::RotationAbout { node: at, .. } | Ramp::Pose { node: at, .. } if *at == node => return None,
-                Ramp::Hold(support) | Ramp::Release(support) if joined.contains(&support.node) => return None,
                 _ => {}
             }
         }
@@ -128,7 +130,7 @@ mod tests {
     use super::*;
     use crate::observe::observe;
     use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
-    use crate::scene::{ContactLaw, Pose, PosePath, Support};
+    use crate::scene::{ContactLaw, Pose, PosePath, Support, SupportChange};
     use crate::solve::{self, Options};
 
     const ELEMENTS: usize = 6;
@@ -143,7 +145,7 @@ mod tests {
 
     /// A rod after its ends were turned in three steps.
     fn turned(model: Model, ramps: Vec<Ramp>) -> (EndLinks, Vec<Observation>) {
-        let stages = vec![Stage { ramps, steps: 3 }];
+        let stages = vec![Stage::new(ramps, 3)];
         let links = EndLinks::new(&model, &stages);
         let mut seen = Vec::new();
         let solution = solve::run(model, &stages, &Options::default(), &mut |progress| {
@@ -200,7 +202,7 @@ mod tests {
         let [start, end] = ends(ELEMENTS);
         let about = |node, axis| Ramp::Rotation { node, axis, to: 1.0 };
         let round = |node| Ramp::RotationAbout { node, axis: Vec3::x(), through: Vec3::zeros(), to: 1.0 };
-        let release = Ramp::Release(Support { position: [false; 3], ..Support::clamp(end) });
+        let release = SupportChange::Release(Support { position: [false; 3], ..Support::clamp(end) });
         let turns =
             Pose { position: None, frame: None, path: PosePath::default(), turns: Some(2.0), half_turn: Vec3::zeros() };
         let middle = NodeRef { rod: 0, node: 9 };
@@ -212,11 +214,12 @@ mod tests {
             (vec![about(end, Vec3::new(1.0, 0.01, 0.0))], 0),
             (vec![round(end)], 0),
             (vec![Ramp::Pose { node: start, pose: turns }], 0),
-            (vec![release], 0),
         ];
-        for (k, (ramps, followed)) in cases.into_iter().enumerate() {
+        let ramped = cases
+            .map(|(ramps, followed)| (ramps.into_iter().map(|ramp| Stage::new(vec![ramp], 1)).collect(), followed));
+        let released: Vec<Stage> = vec![Stage { supports: vec![release], ..Stage::new(vec![], 1) }];
+        for (k, (stages, followed)) in ramped.into_iter().chain([(released, 0)]).enumerate() {
             let mut model = model(ELEMENTS, [start, end].map(Support::clamp).to_vec());
-            let stages: Vec<Stage> = ramps.into_iter().map(|ramp| Stage { ramps: vec![ramp], steps: 1 }).collect();
             assert_eq!(EndLinks::new(&model, &stages).rods.len(), followed, "{k}");
             model.contact.law = ContactLaw::None;
             assert!(EndLinks::new(&model, &stages).rods.is_empty(), "{k}: strands pass each other");

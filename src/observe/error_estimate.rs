@@ -175,7 +175,8 @@ pub fn estimate_error(solver: &Solver) -> Result<ErrorEstimate, InputError> {
         // positions of the two states: of one solver, before and after
         if let Some(error) = &mut comparison.error {
             let moved = |(a, b): (&crate::math::Vec3, &crate::math::Vec3)| (a - b).norm();
-            let largest = before.positions.iter().zip(&fine.engine().state().positions).map(moved).fold(0.0, f64::max);
+            let largest =
+                before.positions().iter().zip(fine.engine().state().positions()).map(moved).fold(0.0, f64::max);
             error.position = error.position.map(|_| largest * spread);
         }
         comparison

@@ -276,7 +276,7 @@ fn energies(potential: &Potential) -> Energies {
 fn links(engine: &Engine, residual: &Residual) -> Vec<RodLink> {
     let rods = &engine.model().rods;
     let link_of = |rod: usize| {
-        let prescribed = engine.state().seams[rod] / TAU;
+        let prescribed = engine.state().seams()[rod] / TAU;
         let excess_link = prescribed - rods[rod].natural_link();
         let (points, d1) = engine.centerline(rod, POINTS_PER_SEGMENT);
         let left_out = rods[rod].turns_left_out;

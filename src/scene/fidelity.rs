@@ -45,7 +45,7 @@ use super::{Contact, ContactLaw};
 /// let elements = fidelity.elements(length, 1.0 + excess_link, radius);
 /// let rod = Rod::new("ring", &circle, RodMesh::closed(elements, Fidelity::ORDER), section, Natural::Straight)?;
 /// let model = Model { rods: vec![rod], contact: fidelity.contact(), ..Model::default() };
-/// let twist = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: excess_link }], steps: 5 };
+/// let twist = Stage::new(vec![Ramp::ExcessLink { rod: 0, to: excess_link }], 5);
 /// let solution = run(model, &[twist], &Options::from(fidelity), &mut |_| std::ops::ControlFlow::Continue(()))?;
 /// assert_eq!(solution.status, Status::Converged);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

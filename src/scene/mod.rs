@@ -18,7 +18,7 @@ pub use fidelity::{Accuracy, Fidelity};
 pub use file::Scene;
 pub use model::{
     Contact, ContactLaw, Electrostatics, Hinge, Joint, JointKind, LineLoad, Model, NodeLoad, NodeRef, Obstacle,
-    ObstacleNumber, ObstaclePose, Pose, PosePath, Ramp, Side, Skeleton, Stage, Support,
+    ObstacleNumber, ObstaclePose, Pose, PosePath, Ramp, Side, Skeleton, Stage, Support, SupportChange,
 };
 pub use points::{Import, read_points, read_points_with, smooth_points};
 pub use tables::{SectionTable, read_natural, read_section};

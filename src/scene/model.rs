@@ -359,10 +359,6 @@ pub enum Ramp {
         /// Value at the end of the stage, in the unit of the number.
         to: f64,
     },
-    /// Fixes a node in its present pose, from the beginning of the stage on.
-    Hold(Support),
-    /// Releases components of a node from all supports, from the beginning of the stage on.
-    Release(Support),
     /// Pressure on a planar closed rod: force per *current* length, along the inward normal in the x-y plane \[F/L\].
     Pressure {
         /// The closed rod.
@@ -378,15 +374,41 @@ impl Ramp {
     pub const MAX_ROUND: f64 = 1.0 / 12.0;
 }
 
-/// A stage of the path: all its ramps move together from their present values to their targets.
+/// A change of supports, made before the first step of a stage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SupportChange {
+    /// Fixes a node in its present pose.
+    Hold(Support),
+    /// Releases components of a node from all supports.
+    Release(Support),
+}
+
+impl SupportChange {
+    /// The node and the components that change.
+    pub fn support(&self) -> &Support {
+        let (Self::Hold(support) | Self::Release(support)) = self;
+        support
+    }
+}
+
+/// A stage of the path: supports change, then all ramps move together from their present values to their targets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage {
+    /// Changes of supports, in their order.
+    pub supports: Vec<SupportChange>,
     /// The ramps.
     pub ramps: Vec<Ramp>,
     /// Number of equal steps first tried; a step that fails is halved and retried. Legal: 1 to 10⁹. With an augmented
     /// Lagrangian a step of several turns is solved turn by turn on a coarse mesh first, which is much cheaper than as
     /// many steps on the full mesh. [`Ramp::RotationAbout`] may need more steps.
     pub steps: usize,
+}
+
+impl Stage {
+    /// Ramps in so many steps, under the supports of before.
+    pub fn new(ramps: Vec<Ramp>, steps: usize) -> Self {
+        Self { supports: Vec::new(), ramps, steps }
+    }
 }
 
 /// A complete problem.
@@ -433,12 +455,12 @@ impl Model {
         })
     }
 
-    /// Adds and removes supports for the ramps of a stage; returns whether there was a change.
-    pub(crate) fn change_supports(&mut self, ramps: &[Ramp]) -> bool {
+    /// Adds and removes supports; returns whether there was a change.
+    pub(crate) fn change_supports(&mut self, changes: &[SupportChange]) -> bool {
         let before = self.supports.clone();
-        for ramp in ramps {
-            match ramp {
-                Ramp::Release(gone) => {
+        for change in changes {
+            match change {
+                SupportChange::Release(gone) => {
                     for support in self.supports.iter_mut().filter(|support| support.node == gone.node) {
                         for k in 0..3 {
                             support.position[k] &= !gone.position[k];
@@ -448,8 +470,8 @@ impl Model {
                     self.supports
                         .retain(|support| support.position.contains(&true) || support.rotation.contains(&true));
                 }
-                Ramp::Hold(support) if !self.supports.contains(support) => self.supports.push(*support),
-                _ => {}
+                SupportChange::Hold(support) if !self.supports.contains(support) => self.supports.push(*support),
+                SupportChange::Hold(_) => {}
             }
         }
         self.supports != before

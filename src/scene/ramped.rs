@@ -93,7 +93,7 @@ fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
             let name = || format!("{}_extra_turns", place_name(model, *node));
             pose.turns.map(|turns| (name(), "turns", 0.0, turns)).into_iter().collect()
         }
-        Ramp::ExcessLink { .. } | Ramp::Hold(_) | Ramp::Release(_) => Vec::new(),
+        Ramp::ExcessLink { .. } => Vec::new(),
     }
 }
 

@@ -43,7 +43,7 @@ impl Masses {
     /// M v, six numbers a node; joined nodes' share is the first one's.
     pub(super) fn multiply(&self, engine: &Engine, motion: &[f64]) -> Vec<f64> {
         let mut product = Vec::with_capacity(motion.len());
-        for ((mass, v), frame) in self.nodes.iter().zip(motion.chunks_exact(6)).zip(&engine.state().frames) {
+        for ((mass, v), frame) in self.nodes.iter().zip(motion.chunks_exact(6)).zip(engine.state().frames()) {
             let axis = frame * Vec3::z();
             let turn = Vec3::new(v[3], v[4], v[5]);
             let spin = turn * mass.across + axis * ((mass.along - mass.across) * axis.dot(&turn));

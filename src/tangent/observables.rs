@@ -128,13 +128,13 @@ impl Observable {
         match self {
             Self::Energy => engine.elastic_residual(state).potential.elastic.total(),
             Self::Twist { rod } => twist(engine, state, *rod),
-            Self::Writhe { rod } => state.seams[*rod] / TAU - twist(engine, state, *rod),
+            Self::Writhe { rod } => state.seams()[*rod] / TAU - twist(engine, state, *rod),
             Self::SeamMoment { rod } => engine.elastic_residual(state).seam_moments[*rod],
             Self::Extension { rod } => {
                 let nodes = engine.nodes(*rod);
                 state.chord(nodes.start, nodes.end - 1).norm()
             }
-            Self::Position { node, axis } => state.positions[engine.first_node[node.rod] + node.node][*axis],
+            Self::Position { node, axis } => state.positions()[engine.first_node[node.rod] + node.node][*axis],
             // their changes are those of residuals
             Self::Reaction { .. } | Self::ContactForce => 0.0,
         }

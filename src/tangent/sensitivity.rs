@@ -30,6 +30,7 @@ use crate::scene::model::unit;
 use crate::scene::{Model, NodeRef, ObstacleNumber};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::linearised::dot;
+use crate::solve::problem::state::PrescribedValue;
 use crate::solve::{RunError, State};
 
 /// Relative step of numbers of rods: residuals are linear or quadratic in them.
@@ -202,20 +203,20 @@ impl PrescribedNumber {
     /// The engine's state with the parameter changed, nodes as they are.
     pub(super) fn changed(&self, engine: &Engine, by: f64) -> State {
         let mut state = engine.state().clone();
-        match self {
+        let values = match self {
             Self::Number { rod, which } => {
                 let value = |number: RodNumber| engine.model().rods[*rod].number(number) + by;
-                state.numbers.extend(which.iter().map(|&number| ((*rod, number), value(number))));
+                which.iter().map(|&number| PrescribedValue::Number(*rod, number, value(number))).collect()
             }
-            Self::Load => state.load_factor += by,
-            Self::Pressure { rod } => state.pressures[*rod] += by,
-            Self::Link { rod } => state.seams[*rod] += TAU * by,
+            Self::Load => vec![PrescribedValue::Load(state.load_factor() + by)],
+            Self::Pressure { rod } => vec![PrescribedValue::Pressure(*rod, state.pressures()[*rod] + by)],
+            Self::Link { rod } => vec![PrescribedValue::Seam(*rod, state.seams()[*rod] + TAU * by)],
             Self::Obstacle { obstacle, which } => {
-                let placement = &mut state.placements[*obstacle];
-                placement.set(*which, placement.get(*which) + by);
+                vec![PrescribedValue::Obstacle(*obstacle, *which, state.placements()[*obstacle].get(*which) + by)]
             }
-            Self::Displacement { .. } | Self::Rotation { .. } => {}
-        }
+            Self::Displacement { .. } | Self::Rotation { .. } => Vec::new(),
+        };
+        state.prescribe(values);
         state
     }
 
@@ -288,7 +289,7 @@ impl PrescribedNumber {
                     (ObstacleNumber::Level, _) => push.sign,
                     (ObstacleNumber::Displacement(k), _) => push.normal[*k],
                     (ObstacleNumber::Turns, Some(hinge)) => {
-                        let arm = push.at - engine.state().placements[*obstacle].displacement - hinge.through;
+                        let arm = push.at - engine.state().placements()[*obstacle].displacement - hinge.through;
                         TAU * unit(&hinge.axis).dot(&arm.cross(&push.normal))
                     }
                     (ObstacleNumber::Turns, None) => 0.0,

@@ -102,7 +102,7 @@ fn gauss_points(solver: &Solver, rod: usize, element: usize) -> Vec<GaussPoint> 
     let order = data.order;
     let table = ShapeTable::new(order);
     let (positions, frames) = (engine.positions(rod), engine.frames(rod));
-    let seam = spin(engine.state().seams[rod]);
+    let seam = spin(engine.state().seams()[rod]);
     let mut nodes = ElementNodes::default();
     for a in 0..=order {
         let place = element * order + a;

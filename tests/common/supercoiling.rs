@@ -94,14 +94,14 @@ pub fn go(start: Start, way: Way, options: &Options) -> Run {
     let before = determinant(&rod.positions);
     let turns = (to - rod.start_excess_link).abs();
     let planned = if way == Way::AtOnce { 1 } else { (turns.ceil() as usize).max(1) };
-    let stage = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to }], steps: planned };
+    let stage = Stage::new(vec![Ramp::ExcessLink { rod: 0, to }], planned);
     let (mut link_error, mut gap, mut elsewhere, mut energy) = (0.0f64, f64::INFINITY, 0, 0.0);
     let solution = run(Model { rods: vec![rod], ..Model::default() }, &[stage], options, &mut |progress| {
         elsewhere += progress.report.iterations_on_other_meshes;
         if progress.report.status == Status::Converged {
             let seen = observe(progress);
             energy = seen.energies.total - seen.energies.contact;
-            let asked = progress.engine.state().seams[0] / TAU;
+            let asked = progress.engine.state().seams()[0] / TAU;
             link_error = link_error.max((seen.links[0].link - asked).abs());
             gap = gap.min(seen.contact_gap.map_or(f64::INFINITY, |gap| gap.lower) / diameter);
         }

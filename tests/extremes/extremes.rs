@@ -237,7 +237,7 @@ fn rotations_up_to_the_limit_and_beyond() {
     }
     // a whole run says the same, however often it cuts the step
     let model = shaft(4, 3).engine().model().clone();
-    let turn = Stage { ramps: vec![Ramp::Rotation { node: end(12), axis: Vec3::x(), to: 7.0 }], steps: 3 };
+    let turn = Stage::new(vec![Ramp::Rotation { node: end(12), axis: Vec3::x(), to: 7.0 }], 3);
     let error = run(model, &[turn], &Options::default(), &mut |_| ControlFlow::Continue(())).unwrap_err();
     assert!(matches!(error, RunError::Solve(SolveError::TooTwisted { .. })), "{error}");
     assert!(error.to_string().contains("use more elements"));

@@ -85,7 +85,6 @@ fn fields() -> Vec<Field> {
             | Ramp::Obstacle { to, .. }
             | Ramp::Number { to, .. }
             | Ramp::Pressure { to, .. } => to,
-            Ramp::Hold(_) | Ramp::Release(_) => unreachable!(),
             Ramp::Displacement { to, .. } => &mut to.x,
             Ramp::Pose { pose, .. } => pose.turns.get_or_insert(0.0),
         }
@@ -161,7 +160,7 @@ fn ends(problem: &Problem) -> Result<Status, InputError> {
 
 fn run(problem: &Problem) -> Result<(Status, State), InputError> {
     let Problem { model, ramps, options } = problem.clone();
-    model.check_stages(&[Stage { ramps: ramps.clone(), steps: 1 }])?;
+    model.check_stages(&[Stage::new(ramps.clone(), 1)])?;
     let mut solver = Solver::new(model, options)?;
     let report = solver.step_to(&ramps)?;
     let seen = observed(&solver, &report);
@@ -264,8 +263,8 @@ fn tiny_and_huge_numbers_are_refused_or_return() {
         let same = |state: &State, problem: Result<(Status, State), InputError>| {
             let (status, reference) = problem.unwrap();
             assert_eq!(status, Status::Converged, "{name}");
-            let moved = state.positions.iter().zip(&reference.positions).map(|(a, b)| (a - b).norm());
-            let turned = state.frames.iter().zip(&reference.frames).map(|(a, b)| a.angle_to(b));
+            let moved = state.positions().iter().zip(reference.positions()).map(|(a, b)| (a - b).norm());
+            let turned = state.frames().iter().zip(reference.frames()).map(|(a, b)| a.angle_to(b));
             moved.chain(turned).fold(0.0, f64::max)
         };
         for (values, end) in VALUES.iter().zip(expected(&name)) {

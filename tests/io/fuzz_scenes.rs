@@ -174,7 +174,7 @@ fn survive(text: &str) -> &'static str {
     options.newton.max_iterations = 4;
     let Ok(mut solver) = Solver::new(scene.model, options) else { return "refused by the solver" };
     let Some(stage) = scene.stages.first() else { return "no stage" };
-    let Ok(report) = solver.step_to(&stage.ramps) else { return "refused ramp" };
+    let Ok(report) = solver.step_through(stage) else { return "refused ramp" };
     let seen = observed(&solver, &report);
     if report.status == Status::Converged {
         assert!(seen.energies.total.is_finite(), "converged to an energy of {:?}:\n{text}", seen.energies);

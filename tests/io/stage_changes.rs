@@ -123,7 +123,7 @@ fn changes_survive_a_restart() {
         done.unwrap().solver.engine().state().clone()
     };
     let last = go(None, &mut kept);
-    assert_eq!(last.numbers.len(), 3);
+    assert_eq!(last.numbers().len(), 3);
     for restart in kept {
         let place = restart.place;
         assert_eq!(go(Some(restart), &mut Vec::new()), last, "{place:?}");

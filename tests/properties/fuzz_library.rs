@@ -228,7 +228,7 @@ fn models(cases: u32) -> BTreeMap<String, usize> {
                 Model { rods, supports, loads, line_loads, contact: Contact { law }, planar, ..Model::default() };
             let mut options = Options { max_augmentations: 3, max_escapes: 1, min_step: 0.5, ..Options::default() };
             options.newton.max_iterations = 15;
-            let stages = if ramps.is_empty() { Vec::new() } else { vec![Stage { ramps, steps }] };
+            let stages = if ramps.is_empty() { Vec::new() } else { vec![Stage::new(ramps, steps)] };
             let mut bad = None;
             let result = run(model, &stages, &options, &mut |progress| {
                 let seen = observe(progress);

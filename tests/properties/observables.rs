@@ -14,7 +14,7 @@ use supercoil::solve::{self, Options, Status};
 /// Every accepted state of a run that must converge.
 fn observations(model: Model, ramp: Ramp, steps: usize, options: &Options) -> Vec<Observation> {
     let mut found = Vec::new();
-    let stage = Stage { ramps: vec![ramp], steps };
+    let stage = Stage::new(vec![ramp], steps);
     let solution = solve::run(model, &[stage], options, &mut |progress| {
         found.push(observe(progress));
         ControlFlow::Continue(())
@@ -97,7 +97,7 @@ fn the_clamp_carries_the_load() {
         ..Model::default()
     };
     let (mut state, mut arm) = (None, Vec3::zeros());
-    let stage = Stage { ramps: vec![Ramp::Load { to: 1.0 }], steps: 4 };
+    let stage = Stage::new(vec![Ramp::Load { to: 1.0 }], 4);
     let solution = solve::run(model, &[stage], &Options::default(), &mut |progress| {
         arm = progress.engine.positions(0)[tip.node];
         state = Some(observe(progress));

@@ -23,7 +23,7 @@ fn wound(elements: usize, stages: &[(f64, usize)]) -> Vec<Observation> {
     let section = Section::isotropic(1.0, 0.7, 1e8, 1e8, 0.01);
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
     let rods = vec![Rod::new("ring", &shape, RodMesh::closed(elements, 3), section, Natural::Straight).unwrap()];
-    let stage = |&(to, steps): &(f64, usize)| Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to }], steps };
+    let stage = |&(to, steps): &(f64, usize)| Stage::new(vec![Ramp::ExcessLink { rod: 0, to }], steps);
     let stages: Vec<Stage> = stages.iter().map(stage).collect();
     let mut states = Vec::new();
     let solution = run(Model { rods, ..Model::default() }, &stages, &Options::default(), &mut |progress| {

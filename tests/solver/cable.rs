@@ -87,7 +87,7 @@ fn a_cable_turned_whole_keeps_its_shape() {
         .chain(ends().map(|node| Ramp::Displacement { node, to: by }))
         .collect();
     for steps in [1, 40] {
-        let solution = ran(model.clone(), &[Stage { ramps: ramps.clone(), steps }]);
+        let solution = ran(model.clone(), &[Stage::new(ramps.clone(), steps)]);
         assert_eq!(solution.num_steps, if steps == 1 { 29 } else { 40 }, "a twelfth of a turn at most");
         let (clamps, inside) = (
             off(&solution.solver, &[0, LAST], (axis, through, to), &|_| by),
@@ -107,7 +107,7 @@ fn a_cable_turned_whole_keeps_its_shape() {
 fn a_run_taken_up_half_way_takes_the_same_steps() {
     let node = NodeRef { rod: 0, node: LAST };
     let turn = Ramp::RotationAbout { node, axis: Vec3::new(0.3, -0.1, 2.0), through: Vec3::x() * 1.01, to: 0.7 };
-    let (model, stages) = (strands(&triangle(), 0.0, 0.0), [Stage { ramps: vec![turn], steps: 2 }]);
+    let (model, stages) = (strands(&triangle(), 0.0, 0.0), [Stage::new(vec![turn], 2)]);
     let mut middle = None;
     let whole = run_from(model.clone(), &stages, &Options::default(), None, &mut |progress, waypoint| {
         if progress.step == 4 {
@@ -130,7 +130,7 @@ fn whole_turns_count() {
     let turn =
         |to: f64| Ramp::RotationAbout { node: NodeRef { rod: 0, node: LAST }, axis: Vec3::z(), through: Vec3::z(), to };
     let model = strands(&[Vec3::zeros()], 0.0, 0.0);
-    let stages = [1.0, 2.0].map(|to| Stage { ramps: vec![turn(to)], steps: 12 });
+    let stages = [1.0, 2.0].map(|to| Stage::new(vec![turn(to)], 12));
     let solution = ran(model.clone(), &stages);
     let exact = 0.5 * TWISTING * (2.0 * TAU).powi(2) / LENGTH;
     assert!(
@@ -150,10 +150,7 @@ fn whole_turns_count() {
 fn strands_are_wound_by_whole_turns() {
     let (axis, through, to) = (Vec3::z(), Vec3::x(), 1.0);
     let carried = |rod| Ramp::RotationAbout { node: NodeRef { rod, node: LAST }, axis, through, to };
-    let stages = [
-        Stage { ramps: vec![Ramp::Load { to: 1.0 }], steps: 1 },
-        Stage { ramps: (0..3).map(carried).collect(), steps: 12 },
-    ];
+    let stages = [Stage::new(vec![Ramp::Load { to: 1.0 }], 1), Stage::new((0..3).map(carried).collect(), 12)];
     let solution = ran(strands(&triangle(), 0.125, 40.0), &stages);
     let engine = solution.solver.engine();
     let slid = |rod: usize| Vec3::z() * (engine.positions(rod)[LAST].z - LENGTH);
@@ -175,7 +172,7 @@ fn what_is_not_held_cannot_be_carried() {
     let node = NodeRef { rod: 1, node: LAST };
     let about = |axis: Vec3| Ramp::RotationAbout { node, axis, through: Vec3::zeros(), to: 0.5 };
     let check = |ramps: Vec<Ramp>| {
-        let stages = [Stage { ramps, steps: 6 }];
+        let stages = [Stage::new(ramps, 6)];
         model.check_stages(&stages).err().map(|e| e.to_string()).unwrap_or_default()
     };
     assert_eq!(check(vec![about(Vec3::z())]), "");
@@ -184,6 +181,6 @@ fn what_is_not_held_cannot_be_carried() {
     assert!(check(vec![about(Vec3::z()), turn]).contains("ramped twice"));
     let mut loose = model.clone();
     loose.supports[3].rotation = [true, true, false];
-    let stages = [Stage { ramps: vec![about(Vec3::z())], steps: 6 }];
+    let stages = [Stage::new(vec![about(Vec3::z())], 6)];
     assert!(loose.check_stages(&stages).unwrap_err().to_string().contains("add one with rotation = true"));
 }

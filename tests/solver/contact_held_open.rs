@@ -40,7 +40,7 @@ fn minicircle(stiffness: f64) -> Model {
 
 /// By predicted steps.
 fn by_run(model: Model) -> (Solver, StepReport) {
-    let stage = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: LINK }], steps: STEPS };
+    let stage = Stage::new(vec![Ramp::ExcessLink { rod: 0, to: LINK }], STEPS);
     let mut last = None;
     let solution = run(model, &[stage], &Options::default(), &mut |progress| {
         last = Some(progress.report.clone());
@@ -122,7 +122,7 @@ fn light_contacts_are_closed() {
         }
         let law = ContactLaw::AugmentedLagrangian { stiffness: 100.0, tol_penetration: 1e-8 };
         let model = Model { rods: vec![rod], contact: Contact { law }, ..Model::default() };
-        let stage = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: f64::from(turns) }], steps: turns as usize };
+        let stage = Stage::new(vec![Ramp::ExcessLink { rod: 0, to: f64::from(turns) }], turns as usize);
         let solution = run(model, &[stage], &Options::default(), &mut |progress| {
             let seen = observe(progress);
             let open = seen.sites.iter().filter(|site| site.force > 0.0).map(|site| site.gap).fold(0.0, f64::max);

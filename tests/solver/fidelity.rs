@@ -76,7 +76,7 @@ fn ring(fidelity: Fidelity, diameter: f64, excess_links: [f64; 2]) -> [Observati
         Rod::new("ring", &circle, RodMesh::closed(elements, Fidelity::ORDER), section, Natural::Straight).unwrap();
     let model = Model { rods: vec![rod], contact: fidelity.contact(), ..Model::default() };
     let stages = [(1.1, 1), (excess_links[0], 4), (excess_links[1], 6)]
-        .map(|(to, steps)| Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to }], steps });
+        .map(|(to, steps)| Stage::new(vec![Ramp::ExcessLink { rod: 0, to }], steps));
     let case = format!("{fidelity:?}, ring, D/L = {diameter}, excess links {excess_links:?}");
     let (seen, _) = run_through(model, &stages, &fidelity.into(), &case);
     seen.iter().for_each(|seen| hold_gap(&case, seen, 0.5 * diameter, fidelity));
@@ -138,7 +138,7 @@ fn crossed_beams_on_simple_supports() {
         let ramps = [0, last].map(|node| Ramp::Displacement { node: NodeRef { rod: 1, node }, to }).to_vec();
         let model = Model { rods, supports, contact: fidelity.contact(), ..Model::default() };
         let case = format!("{fidelity:?}, crossed beams");
-        let (seen, _) = end_of(model, &[Stage { ramps, steps: 3 }], &fidelity.into(), &case);
+        let (seen, _) = end_of(model, &[Stage::new(ramps, 3)], &fidelity.into(), &case);
         hold_gap(&case, &seen, radius, fidelity);
         // each gives way by half of the push
         let exact = 48.0 * 0.5 * push;
@@ -151,7 +151,7 @@ fn without_contact() {
     for fidelity in Fidelity::ALL {
         let allowed = fidelity.accuracy().position;
         let tip = |case: &str, model: Model, options: Options, exact: [Option<f64>; 3], steps: usize| {
-            let stages = [Stage { ramps: vec![Ramp::Load { to: 1.0 }], steps }];
+            let stages = [Stage::new(vec![Ramp::Load { to: 1.0 }], steps)];
             let model = Model { contact: Contact::NONE, ..model };
             let case = format!("{fidelity:?}, {case}");
             let (_, solver) = end_of(model, &stages, &options, &case);

@@ -198,7 +198,7 @@ fn pins_and_poses_move() {
     let rigid = Model { supports, loads: vec![], ..model(halves, &[[a, b]], Vec3::zeros()) };
     let pinned = Model { joints: vec![Joint::pin(a, b)], ..rigid.clone() };
     let run = |model: &Model, ramps: &[Ramp]| {
-        let stages: Vec<Stage> = ramps.iter().map(|ramp| Stage { ramps: vec![ramp.clone()], steps: 3 }).collect();
+        let stages: Vec<Stage> = ramps.iter().map(|ramp| Stage::new(vec![ramp.clone()], 3)).collect();
         let mut seen = None;
         let ended = run(model.clone(), &stages, &Options::default(), &mut |progress| {
             seen = Some(observe(progress));
@@ -218,7 +218,7 @@ fn pins_and_poses_move() {
     run(&both_held, &[Ramp::Rotation { node: a, axis, to: 0.05 }]);
     // both rods of a pin at once: one place cannot go to two
     let round = |node| Ramp::RotationAbout { node, axis, through: Vec3::zeros(), to: 0.1 };
-    let twice = [Stage { ramps: vec![round(a), round(b)], steps: 1 }];
+    let twice = [Stage::new(vec![round(a), round(b)], 1)];
     let refused = both_held.check_stages(&twice).unwrap_err().to_string();
     assert!(refused.contains("the same quantity is ramped twice"), "{refused}");
     for model in [&rigid, &pinned] {

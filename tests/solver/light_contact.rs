@@ -28,7 +28,7 @@ fn beams(elements: usize, law: ContactLaw, tol_increment: f64) -> (f64, usize) {
     let line_loads = vec![LineLoad::of_force(0, Vec3::y()), LineLoad::of_force(1, -Vec3::y())];
     let model = Model { rods, supports, line_loads, contact: Contact { law }, planar: true, ..Model::default() };
     let touch = 192.0 * gap;
-    let stages = [Stage { ramps: vec![Ramp::Load { to: 12.0 * touch }], steps: 4 }];
+    let stages = [Stage::new(vec![Ramp::Load { to: 12.0 * touch }], 4)];
     let mut options = Options { threads: Some(1), ..Options::default() };
     options.newton.tol_increment = tol_increment;
     let mut force = 0.0;
@@ -98,7 +98,7 @@ fn stacked(count: usize, elements: usize, load: f64, steps: usize) -> (f64, usiz
     let model = Model { rods, supports, line_loads, planar: true, ..Model::default() };
     let mut energy = 0.0;
     let solution =
-        run(model, &[Stage { ramps: vec![Ramp::Load { to: 1.0 }], steps }], &Options::default(), &mut |progress| {
+        run(model, &[Stage::new(vec![Ramp::Load { to: 1.0 }], steps)], &Options::default(), &mut |progress| {
             let seen = observe(progress);
             assert!(seen.certificate.holds(), "{count} rods, {elements} elements, load {load}: {}", seen.certificate);
             energy = seen.energies.bending;

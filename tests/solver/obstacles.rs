@@ -236,7 +236,7 @@ fn a_ball_of_string() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/ball_of_string.toml");
     let (solution, seen) = run(&std::fs::read_to_string(path).unwrap(), &Options::default());
     let engine = solution.solver.engine();
-    assert_eq!(engine.state().positions.len(), 999);
+    assert_eq!(engine.state().positions().len(), 999);
     let farthest = engine.centerline(0, 8).0.iter().map(|r| r.norm()).fold(0.0, f64::max);
     assert!(farthest <= 0.88 + 1e-8, "{farthest}");
     let last = &seen[seen.len() - 1];

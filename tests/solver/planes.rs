@@ -78,7 +78,7 @@ fn the_same_bits_for_any_number_of_threads() {
         assert!(lowest(&solution, [0.0; 3], [0.0, 0.0, -1.0]) >= 0.05 * (1.0 - 2e-8));
         let [floor, ceiling] = &seen[seen.len() - 1].obstacle_reactions[..] else { panic!() };
         assert!((floor.force - ceiling.force).abs() < 1e-5, "{floor:?} {ceiling:?}");
-        let positions = solution.solver.engine().state().positions.iter().flatten().map(|x| x.to_bits());
+        let positions = solution.solver.engine().state().positions().iter().flatten().map(|x| x.to_bits());
         positions.collect::<Vec<u64>>()
     };
     assert_eq!(bits(1), bits(3));
@@ -201,7 +201,7 @@ fn runs_among_planes_go_on_with_the_same_bits() {
     assert_eq!(kept.len(), 5);
     let resumed = go(Some(kept[2].clone()), &mut Vec::new());
     assert_eq!(resumed, whole);
-    assert_eq!(whole.placements.iter().map(|at| at.level).collect::<Vec<f64>>(), [0.0, 1.6]);
+    assert_eq!(whole.placements().iter().map(|at| at.level).collect::<Vec<f64>>(), [0.0, 1.6]);
 }
 
 /// The end loop of a plectoneme in tweezers leans on the glass, which carries of the weight what the ends do not.

@@ -56,7 +56,7 @@ fn ends_taken_by_one_motion_carry_the_rod() {
             let (position, frame) = moved(node.node);
             Ramp::Pose { node, pose: pose(position, frame, path) }
         };
-        let stage = Stage { ramps: vec![ramp(START), ramp(END)], steps: 2 };
+        let stage = Stage::new(vec![ramp(START), ramp(END)], 2);
         let (mut steps, mut worst) = (0, 0.0f64);
         let solution = run(clamped(), &[stage], &Options::default(), &mut |progress| {
             steps += 1;
@@ -82,18 +82,18 @@ fn extra_turns_are_twist() {
     let (position, frame) = (model.rods[0].positions[LAST], model.rods[0].frames[LAST]);
     // short of what buckles the rod: 8.99 B/(2π C) turns (Greenhill)
     let turns = Pose { turns: Some(-1.0), ..pose(position, frame, PosePath::Straight) };
-    let posed = ran(&[Stage { ramps: vec![Ramp::Pose { node: END, pose: turns }], steps: 1 }]).solver;
+    let posed = ran(&[Stage::new(vec![Ramp::Pose { node: END, pose: turns }], 1)]).solver;
     let exact = 0.5 * TAU * TAU / LENGTH;
     assert!((elastic_energy(&posed) / exact - 1.0).abs() < 1e-6, "{}", elastic_energy(&posed));
     assert!(off(&posed, LAST, &position, &frame) < 1e-9);
     // what a rotation has turned counts: nothing is left to do
     let rotation = Ramp::Rotation { node: END, axis: frame * Vec3::z(), to: -1.0 };
-    let stages = [rotation, Ramp::Pose { node: END, pose: turns }].map(|ramp| Stage { ramps: vec![ramp], steps: 1 });
+    let stages = [rotation, Ramp::Pose { node: END, pose: turns }].map(|ramp| Stage::new(vec![ramp], 1));
     let rotated = ran(&stages).solver;
     assert!((elastic_energy(&rotated) / exact - 1.0).abs() < 1e-6);
     // and no more than that is done by a pose that says nothing of turns
     let plain = Ramp::Pose { node: END, pose: Pose { turns: None, ..turns } };
-    let stages = [vec![Ramp::Pose { node: END, pose: turns }], vec![plain]].map(|ramps| Stage { ramps, steps: 1 });
+    let stages = [vec![Ramp::Pose { node: END, pose: turns }], vec![plain]].map(|ramps| Stage::new(ramps, 1));
     assert!((elastic_energy(&ran(&stages).solver) / exact - 1.0).abs() < 1e-6);
 }
 
@@ -102,10 +102,10 @@ fn bent() -> Vec<Stage> {
     let model = clamped();
     let half = Quat::from_scaled_axis(Vec3::y() * PI) * model.rods[0].frames[LAST];
     let to = Pose { half_turn: Vec3::y(), ..pose(Vec3::new(0.9, 0.4, 0.5), half, PosePath::Screw) };
-    let first = Stage { ramps: vec![Ramp::Pose { node: END, pose: to }], steps: 24 };
+    let first = Stage::new(vec![Ramp::Pose { node: END, pose: to }], 24);
     let turn = Quat::from_scaled_axis(Vec3::new(0.4, 0.2, 0.9)) * model.rods[0].frames[0];
     let start = Pose { turns: Some(1.0), ..pose(Vec3::new(0.1, 0.1, 0.0), turn, PosePath::Straight) };
-    vec![first, Stage { ramps: vec![Ramp::Pose { node: START, pose: start }], steps: 20 }]
+    vec![first, Stage::new(vec![Ramp::Pose { node: START, pose: start }], 20)]
 }
 
 /// Steps but the first ones of a stage are predicted; the path ends in the poses.
@@ -151,7 +151,7 @@ fn runs_on_the_way_to_a_pose_can_be_taken_up() {
 fn poses_need_a_clamp_and_whole_turns() {
     let there = pose(Vec3::x(), Quat::identity(), PosePath::Straight);
     let refused = |model: &Model, pose: Pose| {
-        let stage = Stage { ramps: vec![Ramp::Pose { node: END, pose }], steps: 1 };
+        let stage = Stage::new(vec![Ramp::Pose { node: END, pose }], 1);
         model.check_stages(&[stage]).unwrap_err().to_string()
     };
     let half = refused(&clamped(), Pose { turns: Some(0.5), ..there });
@@ -165,6 +165,6 @@ fn poses_need_a_clamp_and_whole_turns() {
     let pinned = refused(&model, there);
     assert!(pinned.contains("is not clamped at this node"), "{pinned}");
     let twice = vec![Ramp::Pose { node: END, pose: there }, Ramp::Displacement { node: END, to: Vec3::x() }];
-    let error = clamped().check_stages(&[Stage { ramps: twice, steps: 1 }]).unwrap_err().to_string();
+    let error = clamped().check_stages(&[Stage::new(twice, 1)]).unwrap_err().to_string();
     assert!(error.contains("ramped twice"), "{error}");
 }

@@ -23,10 +23,8 @@ fn pressed(stages: &[(f64, usize)]) -> Vec<Observation> {
     let supports = [NodeRef { rod: 0, node: 0 }, end].map(Support::clamp).to_vec();
     let contact = Contact::NONE;
     let model = Model { rods, supports, contact, ..Model::default() };
-    let stage = |&(by, steps): &(f64, usize)| Stage {
-        ramps: vec![Ramp::Displacement { node: end, to: -Vec3::x() * by }],
-        steps,
-    };
+    let stage =
+        |&(by, steps): &(f64, usize)| Stage::new(vec![Ramp::Displacement { node: end, to: -Vec3::x() * by }], steps);
     let stages: Vec<Stage> = stages.iter().map(stage).collect();
     let mut states = Vec::new();
     let solution = run(model, &stages, &Options::default(), &mut |progress| {
@@ -46,7 +44,7 @@ fn a_snap_tells_its_energy() {
     let shape = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
     let rods = vec![Rod::new("ring", &shape, RodMesh::closed(16, 3), section, Natural::Straight).unwrap()];
     let model = Model { rods, ..Model::default() };
-    let stage = Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to: 1.3 }], steps: 13 };
+    let stage = Stage::new(vec![Ramp::ExcessLink { rod: 0, to: 1.3 }], 13);
     let mut states = Vec::new();
     let solution = run(model, &[stage], &Options::default(), &mut |progress| {
         states.push(observe(progress));

@@ -63,7 +63,7 @@ fn link_is_what_was_asked_for() {
         for turns in [0.0, own, -3.0, 2.5, own + 1.0 / 3.0, own - 7.123456789] {
             let engine = engine(plain.clone().with_excess_link(turns).unwrap());
             let (points, d1) = engine.centerline(0, 4);
-            let prescribed = engine.state().seams[0] / TAU;
+            let prescribed = engine.state().seams()[0] / TAU;
             let found = link_numbers(&points, &d1, prescribed);
             assert!((found.link - turns).abs() < 1e-9, "{name}: {found:?}, asked for {turns}");
             assert!((prescribed - turns).abs() < 1e-12, "{name}");

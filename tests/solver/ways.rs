@@ -112,7 +112,7 @@ struct LastStage {
 
 impl LastStage {
     fn new(mut scene: Scene) -> Self {
-        let Stage { ramps: last, steps } = scene.stages.pop().unwrap();
+        let Stage { ramps: last, steps, .. } = scene.stages.pop().unwrap();
         let same = |a: &Ramp, b: &Ramp| match (a, b) {
             (Ramp::Rotation { node: a, .. }, Ramp::Rotation { node: b, .. }) => a == b,
             _ => false,
@@ -137,7 +137,7 @@ impl LastStage {
 
     /// The stages before, then the way over shares, each in so many steps.
     fn stages(&self, shares: &[(f64, usize)]) -> Vec<Stage> {
-        let last = shares.iter().map(|&(t, steps)| Stage { ramps: self.at(t), steps });
+        let last = shares.iter().map(|&(t, steps)| Stage::new(self.at(t), steps));
         self.before.iter().cloned().chain(last).collect()
     }
 

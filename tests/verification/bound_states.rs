@@ -30,7 +30,7 @@ fn rod(bound: Along<NaturalStrains>, length: f64, elements: usize) -> Model {
 fn bind(model: Model, to: f64, steps: usize) -> (solve::Solution, f64) {
     let ramps = vec![Ramp::Number { rod: 0, which: RodNumber::Binding, to }];
     let mut energy = f64::NAN;
-    let solution = solve::run(model, &[Stage { ramps, steps }], &Options::default(), &mut |progress| {
+    let solution = solve::run(model, &[Stage::new(ramps, steps)], &Options::default(), &mut |progress| {
         energy = observe(progress).energies.total;
         ControlFlow::Continue(())
     });

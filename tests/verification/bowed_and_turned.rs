@@ -38,7 +38,7 @@ fn states(elements: usize, turns: &[f64]) -> Vec<Observation> {
     scene.stages.truncate(2);
     let turned = |from: f64, to: f64| {
         let steps = ((to - from) / 0.0833).ceil() as usize;
-        Stage { ramps: vec![Ramp::Rotation { node, axis, to }], steps }
+        Stage::new(vec![Ramp::Rotation { node, axis, to }], steps)
     };
     let from = |k: usize| if k == 0 { 0.0 } else { turns[k - 1] };
     let stages = turns.iter().enumerate().filter(|(_, to)| **to > 0.0).map(|(k, &to)| turned(from(k), to));

@@ -89,19 +89,18 @@ fn clamped(tension: f64, moment: f64, elements: usize) -> Solver {
             Support { node: end, position: [false, true, true], rotation: [true; 3] },
         ],
         loads: vec![NodeLoad { node: end, force: Vec3::x() * tension, moment: Vec3::zeros() }],
+        load: 1.0,
         contact: Contact::NONE,
         rods: vec![rod],
         ..Model::default()
     };
     let mut solver = Solver::new(model, any_equilibrium()).unwrap();
-    let mut state = solver.engine().state().clone();
-    let (start, last) = (state.frames[0], state.frames.len() - 1);
-    for i in 0..=last {
-        let s = i as f64 / last as f64;
-        state.positions[i] = Vec3::x() * (s * (1.0 + tension / RIGID));
-        state.frames[i] = Quat::from_scaled_axis(Vec3::x() * (s * moment / TWISTING)) * start;
-    }
-    state.load_factor = 1.0;
+    let state = solver.engine().state();
+    let (start, last) = (state.frames()[0], state.frames().len() - 1);
+    let along = (0..=last).map(|i| i as f64 / last as f64);
+    let positions = along.clone().map(|s| Vec3::x() * (s * (1.0 + tension / RIGID))).collect();
+    let frames = along.map(|s| Quat::from_scaled_axis(Vec3::x() * (s * moment / TWISTING)) * start).collect();
+    let state = state.with_nodes(positions, frames);
     solver.set_state(state).unwrap();
     solver
 }

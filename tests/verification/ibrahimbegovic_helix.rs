@@ -26,8 +26,7 @@ fn tips(elements: usize, force: f64, moment: f64, stages: &[(f64, usize)]) -> Ve
     let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 10.0 };
     let rod = Rod::new("rod", &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
     let model = cantilever(rod, Vec3::z() * force, Vec3::z() * moment);
-    let stages: Vec<Stage> =
-        stages.iter().map(|&(to, steps)| Stage { ramps: vec![Ramp::Load { to }], steps }).collect();
+    let stages: Vec<Stage> = stages.iter().map(|&(to, steps)| Stage::new(vec![Ramp::Load { to }], steps)).collect();
     let mut out = vec![Vec3::zeros(); stages.len()];
     let solution = run(model, &stages, &any_equilibrium(), &mut |progress| {
         out[progress.stage] = *progress.engine.positions(0).last().unwrap();

@@ -136,7 +136,7 @@ fn bad_joints_are_refused() {
     held.supports.push(Support::clamp(held.joints[0].a));
     let [a, b] = [held.joints[0].a, held.joints[0].b];
     let moves = |node: NodeRef| Ramp::Displacement { node, to: Vec3::x() };
-    let check = |model: &Model, ramps: Vec<Ramp>| model.check_stages(&[Stage { ramps, steps: 1 }]);
+    let check = |model: &Model, ramps: Vec<Ramp>| model.check_stages(&[Stage::new(ramps, 1)]);
     assert_eq!(check(&held, vec![moves(b)]), Ok(()));
     let twice = check(&held, vec![moves(a), moves(b)]).unwrap_err().to_string();
     assert!(twice.contains("the same quantity is ramped twice"), "{twice}");

@@ -85,7 +85,7 @@ fn a_rope_over_a_pulley_lifts_off_where_its_curvature_says() {
         lines.iter().fold((f64::INFINITY, 0.0f64), |(from, to), site| (from.min(site.arc[0]), to.max(site.arc[1])));
     verify("rope over a pulley", "arc on the pulley", to - from, 2.0 * rho * half, 0.05);
     let engine = solution.solver.engine();
-    let (points, fields) = (&engine.state().positions, engine.nodal_fields(0));
+    let (points, fields) = (engine.state().positions(), engine.nodal_fields(0));
     let free = 4.3 - rho * half;
     let end = points[points.len() - 1];
     let across = 2.0 * (bending / weight).sqrt();
@@ -172,7 +172,7 @@ fn a_rod_in_a_tube_buckles_to_a_helix() {
         );
         let (solution, last) = last(&text);
         let engine = solution.solver.engine();
-        let points = &engine.state().positions;
+        let points = engine.state().positions();
         let [.., end] = &last.reactions[..] else { panic!("{:?}", last.reactions) };
         let (tension, moment) = (end.force[2], end.moment[2]);
         // the middle third: boundary layers decay by e^(−4π) a pitch

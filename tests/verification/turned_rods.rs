@@ -55,7 +55,7 @@ fn it_buckles_where_greenhill_says() {
 fn wound_up_it_balances_and_its_moment_is_the_slope_of_its_energy() {
     let mut scene = scene("turned_thin_rod_plectoneme");
     let Ramp::Rotation { node, axis, .. } = scene.stages[0].ramps[0] else { panic!("it turns") };
-    let stage = |to: f64, steps: usize| Stage { ramps: vec![Ramp::Rotation { node, axis, to }], steps };
+    let stage = |to: f64, steps: usize| Stage::new(vec![Ramp::Rotation { node, axis, to }], steps);
     let turns = [2.98, 3.0, 3.02];
     scene.stages = vec![stage(turns[0], 12), stage(turns[1], 1), stage(turns[2], 1)];
     let mut seen = Vec::new();

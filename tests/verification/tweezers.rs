@@ -97,7 +97,7 @@ fn states(pull: f64, turns: f64, more: &[String]) -> Vec<Seen> {
     set.extend_from_slice(more);
     let mut scene = Scene::read_with(&path, &set).unwrap();
     let Ramp::Rotation { node, axis, .. } = scene.stages[1].ramps[0] else { panic!("the second stage turns") };
-    let turn = |to: f64, steps: usize| Stage { ramps: vec![Ramp::Rotation { node, axis, to }], steps };
+    let turn = |to: f64, steps: usize| Stage::new(vec![Ramp::Rotation { node, axis, to }], steps);
     scene.stages.truncate(1);
     scene.stages.extend([turn(turns, turns.ceil() as usize), turn(turns + MORE, STATES)]);
     let mut found = Vec::new();

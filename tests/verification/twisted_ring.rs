@@ -221,7 +221,7 @@ fn threads_do_not_change_a_bit() {
         }
         let bits: Vec<u64> =
             solver.engine().positions(0).iter().flat_map(|r| [r.x, r.y, r.z]).map(f64::to_bits).collect();
-        (bits, sites, solver.engine().state().seams[0] / TAU)
+        (bits, sites, solver.engine().state().seams()[0] / TAU)
     };
     assert_eq!(run(1), run(2));
 }

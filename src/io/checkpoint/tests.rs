@@ -134,6 +134,6 @@ fn another_models_state_is_refused() {
     lost.place.stage = 1;
     assert!(go(lost).unwrap_err().to_string().contains("no place on this path"));
     let mut broken = restart;
-    broken.state.positions[0].x = f64::NAN;
+    broken.state.nodes_mut().0[0].x = f64::NAN;
     assert!(go(broken).unwrap_err().to_string().contains("not finite"));
 }

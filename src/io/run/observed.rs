@@ -84,7 +84,7 @@ impl FollowedStage<'_> {
         };
         let mut given = solution.given.clone();
         given.only_stable = false;
-        given.stages.push(Stage { ramps: vec![(*ramp).clone()], steps: 1 });
+        given.stages.push(Stage::new(vec![(*ramp).clone()], 1));
         let report = solution.solver.follow(ramp, &options, &mut |point: &PathPoint| {
             // the start is the final state of the stages before
             if point.kind == PointKind::Start {

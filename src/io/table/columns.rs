@@ -9,7 +9,7 @@ use crate::observe::report::{Observation, Reaction, RodEnds, RodLink};
 #[cfg(feature = "scenes")]
 use crate::scene::Scene;
 use crate::scene::ramped::{axis_of, place_name, prescribed, ramped_name};
-use crate::scene::{Model, NodeRef, Ramp, Stage, Support, Units};
+use crate::scene::{Model, NodeRef, Ramp, Stage, Support, SupportChange, Units};
 
 /// Meaning of columns that stages prescribe.
 pub(in crate::io) const PRESCRIBED: &str = "prescribed by the stages";
@@ -352,8 +352,8 @@ fn held(model: &Model, stages: &[Stage], node: NodeRef) -> ([bool; 3], [bool; 3]
 
 /// Supports that stages add.
 fn set_later(stages: &[Stage]) -> impl Iterator<Item = &Support> {
-    stages.iter().flat_map(|stage| &stage.ramps).filter_map(|ramp| match ramp {
-        Ramp::Hold(support) => Some(support),
-        _ => None,
+    stages.iter().flat_map(|stage| &stage.supports).filter_map(|change| match change {
+        SupportChange::Hold(support) => Some(support),
+        SupportChange::Release(_) => None,
     })
 }

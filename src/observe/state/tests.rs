@@ -49,7 +49,7 @@ fn scene() -> (Model, Vec<Stage>) {
     let turn = Ramp::Rotation { node: node(LOWER, 18), axis: Vec3::new(0.3, 1.0, 0.0), to: 0.05 };
     let link = Ramp::ExcessLink { rod: RING, to: 0.25 };
     let ramps = vec![down(0), down(18), turn, link, Ramp::Load { to: 1.0 }];
-    (Model { rods, supports, joints, loads, ..Model::default() }, vec![Stage { ramps, steps: 3 }])
+    (Model { rods, supports, joints, loads, ..Model::default() }, vec![Stage::new(ramps, 3)])
 }
 
 /// A state at rest, with what is reported of it.
@@ -84,7 +84,7 @@ impl Resting {
         let mut engine = Engine::new(self.model.clone(), None).unwrap();
         engine.set_state(self.state.clone()).unwrap();
         // past the engine, which would refuse or mend it
-        engine.state = state;
+        *engine.state_mut() = state;
         let report = StepReport { num_unstable: seen.num_unstable, ..StepReport::settled() };
         let given = Some(&self.given);
         let progress =
@@ -103,10 +103,11 @@ impl Resting {
     /// Moves a rod as a whole: turns it about its first node and displaces it.
     fn carried(&self, state: &mut State, rod: usize, turn: &Quat, by: &Vec3) {
         let nodes = self.first(rod)..self.first(rod + 1);
-        let pivot = state.positions[nodes.start];
+        let (positions, frames) = state.nodes_mut();
+        let pivot = positions[nodes.start];
         for node in nodes {
-            state.positions[node] = pivot + turn * (state.positions[node] - pivot) + by;
-            state.frames[node] = turn * state.frames[node];
+            positions[node] = pivot + turn * (positions[node] - pivot) + by;
+            frames[node] = turn * frames[node];
         }
     }
 }
@@ -131,15 +132,15 @@ fn each_broken_promise_fails_its_check_and_no_other() {
     }
     // a quaternion that is too long, where all are equal and its length does nothing else
     let long = rest.failing(|state, _| {
-        let q = &mut state.frames[rest.first(ARM) + 5];
+        let q = &mut state.nodes_mut().1[rest.first(ARM) + 5];
         *q = Quat::new_unchecked(q.into_inner() * (1.0 + 1e-9));
     });
     assert_eq!(long, ["frames"]);
-    let turned = rest.failing(|state, _| state.frames[rest.first(HAND) + 18] *= exp(&(Vec3::z() * 2.9)));
+    let turned = rest.failing(|state, _| state.nodes_mut().1[rest.first(HAND) + 18] *= exp(&(Vec3::z() * 2.9)));
     assert_eq!(turned, ["turning", "balance of nodes", "energies"], "a twisted rod bears a moment");
 
     // a node out of balance, whose body is in balance; reports that are wrong
-    let moved = rest.failing(|state, _| state.positions[rest.first(LOWER) + 4].x += 1e-6);
+    let moved = rest.failing(|state, _| state.nodes_mut().0[rest.first(LOWER) + 4].x += 1e-6);
     assert_eq!(moved, ["balance of nodes", "energies"]);
     let both = ["balance of nodes", "balance of bodies"];
     let twice = rest.failing(|_, seen| {
@@ -188,7 +189,7 @@ fn without_contact_balance_is_sharp() {
     let [start, end] = [0, 18].map(|node| NodeRef { rod: 0, node });
     let loads = vec![NodeLoad { node: end, force: Vec3::new(0.3, 2.0, -1.0), moment: Vec3::x() * 0.1 }];
     let model = Model { rods, supports: vec![Support::clamp(start)], loads, ..Model::default() };
-    let rest = at_rest(model, &[Stage { ramps: vec![Ramp::Load { to: 1.0 }], steps: 3 }]);
+    let rest = at_rest(model, &[Stage::new(vec![Ramp::Load { to: 1.0 }], 3)]);
     let broken = rest.failing(|_, seen| seen.reactions[0].force[1] *= 1.0 + 1e-5);
     assert_eq!(broken, ["balance of nodes", "balance of bodies"]);
 }
@@ -234,7 +235,7 @@ fn what_a_bead_bears_is_balanced_and_its_gap_is_kept() {
     let obstacles = vec![Obstacle::bead("bead", &rods, node(0, 18), 0.1)];
     let down = Ramp::Displacement { node: node(0, 0), to: -Vec3::z() * 0.04 };
     let model = Model { rods, supports, obstacles, ..Model::default() };
-    let rest = at_rest(model, &[Stage { ramps: vec![down], steps: 2 }]);
+    let rest = at_rest(model, &[Stage::new(vec![down], 2)]);
     assert!(rest.seen.obstacle_sites.len() == 1 && rest.seen.sites.is_empty(), "{:?}", rest.seen.obstacle_sites);
     assert!(rest.seen.obstacle_sites[0].force > 0.05, "{:?}", rest.seen.obstacle_sites);
     assert_eq!(rest.failing(|_, _| ()), Vec::<String>::new());

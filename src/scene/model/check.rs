@@ -4,7 +4,10 @@ use crate::error::InputError;
 use crate::math::Vec3;
 use crate::rod::{Rod, RodNumber};
 
-use super::{ContactLaw, Electrostatics, Joint, JointKind, Model, NodeRef, ObstacleNumber, Pose, Ramp, Stage, unit};
+use super::{
+    ContactLaw, Electrostatics, Joint, JointKind, Model, NodeRef, ObstacleNumber, Pose, Ramp, Stage, SupportChange,
+    unit,
+};
 
 /// Out-of-plane parts of directions and frames below this (of 1) count as rounding.
 const TOL_PLANE: f64 = 1e-9;
@@ -74,7 +77,8 @@ impl Model {
     /// Refuses stages that this model cannot follow.
     ///
     /// # Errors
-    /// All that [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of no ramps; two ramps of one quantity in a stage;
+    /// All that [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of neither ramps nor changes of supports;
+    /// two ramps of one quantity in a stage;
     /// targets that are not finite; the excess link of an open rod or in a planar model; a rotation of a node whose
     /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; a pose of a
     /// node that is not clamped; turns of hinged nodes; an obstacle that there is not, or a radius that no rod fits in; a load factor without loads, or one
@@ -91,13 +95,13 @@ impl Model {
                 let (field, allowed) = (format!("stages[{i}].steps"), "at most 1000000000");
                 return Err(InputError::Count { field, value: stage.steps, allowed });
             }
-            if stage.ramps.is_empty() {
+            if stage.ramps.is_empty() && stage.supports.is_empty() {
                 let reason = "nothing to do: ramp at least one of excess_link, link, sigma, rotation, displacement, pose, load, pressure, plane, obstacle, \
                      section, length, natural, or hold or release something";
                 return Err(InputError::inconsistent(format!("stages[{i}].ramp"), reason));
             }
-            if stage.ramps.iter().any(|ramp| matches!(ramp, Ramp::Hold(_) | Ramp::Release(_))) {
-                model.to_mut().check_supports_changed(&format!("stages[{i}]"), &stage.ramps)?;
+            if !stage.supports.is_empty() {
+                model.to_mut().check_supports_changed(&format!("stages[{i}]"), &stage.supports)?;
             }
             for (k, ramp) in stage.ramps.iter().enumerate() {
                 model.check_ramp(&format!("stages[{i}].ramp"), ramp, &stage.ramps)?;
@@ -113,13 +117,16 @@ impl Model {
     }
 
     /// Changes the supports as a stage does, and refuses rods that it leaves free to move.
-    fn check_supports_changed(&mut self, stage: &str, ramps: &[Ramp]) -> Result<(), InputError> {
-        for ramp in ramps {
-            let (Ramp::Hold(support) | Ramp::Release(support)) = ramp else { continue };
-            let field = format!("{stage}.{}", if matches!(ramp, Ramp::Hold(_)) { "hold" } else { "release" });
+    fn check_supports_changed(&mut self, stage: &str, changes: &[SupportChange]) -> Result<(), InputError> {
+        for change in changes {
+            let (support, word) = match change {
+                SupportChange::Hold(support) => (support, "hold"),
+                SupportChange::Release(support) => (support, "release"),
+            };
+            let field = format!("{stage}.{word}");
             self.check_node(&field, support.node)?;
             let before = self.fixed(support.node);
-            self.change_supports(std::slice::from_ref(ramp));
+            self.change_supports(std::slice::from_ref(change));
             let after = self.fixed(support.node);
             if after == before {
                 let reason = "changes nothing: what is to be held is held already, or what is to be let go is free";
@@ -151,8 +158,6 @@ impl Model {
             Ramp::Number { rod, which, to } => self.check_number_ramp(&field(which.name()), (rod, which, to), ramps),
             Ramp::Load { to } => self.check_load_factor(&field("load"), to),
             Ramp::Pressure { rod, to } => self.check_inflated(&field("pressure"), rod, to),
-            // checked as they are made, in `check_supports_changed`
-            Ramp::Hold(_) | Ramp::Release(_) => Ok(()),
         }
     }
 

@@ -31,18 +31,18 @@ impl Solver {
         let mut idle = 0;
         while outcome.converged && outcome.num_unstable > 0 && leaves && !ended_roughly(&options, &outcome) {
             let may_leave = idle < options.max_escapes;
-            let (before, potential) = (self.engine.state.clone(), self.engine.residual(&self.engine.state));
+            let (before, potential) = (self.engine.state().clone(), self.engine.residual(self.engine.state()));
             let direction = self.workspace.negative_direction(&mut self.engine)?;
             let increment: Vec<f64> = direction.iter().map(|x| x * self.options.escape_step).collect();
             let still = PrescribedMotion::default();
             let fraction = self.engine.step_fraction(&before, &increment)?;
-            self.engine.state = self.engine.retract(&before, &increment, fraction);
+            self.engine.take_state(self.engine.retract(&before, &increment, fraction));
             let work = work_of_moments(&self.engine, &increment) * fraction;
             let floor = potential.potential.total() + work - potential.rounding;
             let floor = if may_leave { f64::NEG_INFINITY } else { floor };
             let leaving = SearchOptions { leaving: Some(floor), ..options.clone() };
             let left = self.equilibrate(&still, &leaving, report)?;
-            let end = self.engine.residual(&self.engine.state).potential.total() - work - left.work;
+            let end = self.engine.residual(self.engine.state()).potential.total() - work - left.work;
             let fall = potential.potential.total() - end;
             let is_neutral = left.converged && fall.abs() <= potential.rounding;
             if may_leave && !is_neutral {
@@ -51,8 +51,8 @@ impl Solver {
                 outcome = left;
                 continue;
             }
-            self.engine.state = before;
-            self.engine.update_contact(&self.engine.state.clone())?;
+            self.engine.take_state(before);
+            self.engine.update_contact(&self.engine.state().clone())?;
             if !is_neutral {
                 break;
             }

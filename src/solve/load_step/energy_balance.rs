@@ -34,7 +34,7 @@ use crate::solve::measures::{LAST_PLACES, ROUNDING};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target};
-use crate::solve::problem::state::State;
+use crate::solve::problem::state::{PrescribedValue, State};
 
 /// Part of the change of numbers in a central difference of the potential, because the third derivative counts by its
 /// square, 1e-6, and rounding is divided by no less.
@@ -75,7 +75,7 @@ pub(in crate::solve) struct Balance {
 impl Changes {
     /// Numbers of rods that change, with their values after it.
     fn numbers(&self) -> impl Iterator<Item = (&(usize, RodNumber), &f64)> {
-        self.to.numbers.iter().filter(|(key, value)| self.from.numbers.get(key) != Some(value))
+        self.to.numbers().iter().filter(|(key, value)| self.from.numbers().get(key) != Some(value))
     }
 }
 
@@ -126,9 +126,9 @@ impl Balance {
 impl Solver {
     /// The changes of a target, whose drive is `lifted`, from the present state.
     pub(in crate::solve) fn changes(&self, target: &Target, lifted: &Lifted) -> Changes {
-        let from = self.engine.state.clone();
+        let from = self.engine.state().clone();
         let mut to = from.clone();
-        target.load(&mut to);
+        to.prescribe(target.values());
         let drive = PrescribedMotion { seams: target.drive.seams.clone(), nodes: lifted.drive.nodes.clone() };
         Changes { drive, spun: lifted.spun.clone(), from, to }
     }
@@ -144,7 +144,7 @@ impl Solver {
         if unclear || engine.bears_moments() {
             return None;
         }
-        let state = engine.state.clone();
+        let state = engine.state().clone();
         engine.update_contact(&state).ok()?;
         let residual = engine.residual(&state);
         let elastic = residual.potential.elastic.total();
@@ -178,7 +178,7 @@ fn work_of_motions(engine: &Engine, residual: &Residual, changes: &Changes) -> f
         force.dot(&displacement) + moment.dot(&rotation)
     });
     let spins = changes.spun.iter().map(|&(node, angle)| {
-        let tangent = engine.state.frames[node] * Vec3::z();
+        let tangent = engine.state().frames()[node] * Vec3::z();
         force(node).1.dot(&tangent) * angle
     });
     seams.chain(supports).chain(spins).fold(0.0, |sum, work| sum + work)
@@ -189,7 +189,7 @@ fn work_of_contact(engine: &Engine, residual: &Residual, changes: &Changes) -> f
     let Some(side) = &engine.contact else { return 0.0 };
     let growth = |segment: usize| {
         let key = (side.rods[side.set.curve_of(segment)], RodNumber::ContactRadius);
-        let at = |state: &State| state.numbers.get(&key).copied();
+        let at = |state: &State| state.numbers().get(&key).copied();
         at(&changes.to).zip(at(&changes.from)).map_or(0.0, |(to, from)| to - from)
     };
     let pairs = residual.contact_pairs.iter().map(|pair| {
@@ -198,11 +198,11 @@ fn work_of_contact(engine: &Engine, residual: &Residual, changes: &Changes) -> f
     });
     let obstacles = residual.surface_contacts.iter().map(|contact| {
         let (k, at) = (contact.surface, side.set.segments[contact.segment].b[0]);
-        let moved = [&changes.from.placements[k], &changes.to.placements[k]];
+        let moved = [&changes.from.placements()[k], &changes.to.placements()[k]];
         let of_zone = |zone: &SurfaceZone| {
             let [pressure, ..] = zone.moments;
             let push = Push { pressure, force: zone.force, torque: zone.torque, at };
-            let work = side.obstacles[k].work(&engine.state.placements[k], moved, &push);
+            let work = side.obstacles[k].work(&engine.state().placements()[k], moved, &push);
             pressure * growth(contact.segment) + work
         };
         contact.zones.iter().map(of_zone).fold(0.0, |sum, work| sum + work)
@@ -214,20 +214,20 @@ fn work_of_contact(engine: &Engine, residual: &Residual, changes: &Changes) -> f
 fn work_of_numbers(engine: &mut Engine, state: &State, changes: &Changes) -> f64 {
     let Changes { from, to, .. } = changes;
     let numbers: Vec<_> = changes.numbers().collect();
-    if from.load_factor == to.load_factor && from.pressures == to.pressures && numbers.is_empty() {
+    if from.load_factor() == to.load_factor() && from.pressures() == to.pressures() && numbers.is_empty() {
         return 0.0;
     }
     let mut at = |part: f64| {
         let mut moved = state.clone();
         let along = |from: f64, to: f64| part * (to - from);
-        moved.load_factor += along(from.load_factor, to.load_factor);
-        for (pressure, (from, to)) in moved.pressures.iter_mut().zip(from.pressures.iter().zip(&to.pressures)) {
-            *pressure += along(*from, *to);
-        }
-        for (key, to) in &numbers {
-            let change = from.numbers.get(key).map_or(0.0, |from| along(*from, **to));
-            moved.numbers.entry(**key).and_modify(|value| *value += change);
-        }
+        let load = state.load_factor() + along(from.load_factor(), to.load_factor());
+        moved.prescribe([PrescribedValue::Load(load)]);
+        let pressure = |rod: usize| state.pressures()[rod] + along(from.pressures()[rod], to.pressures()[rod]);
+        moved.prescribe((0..state.pressures().len()).map(|rod| PrescribedValue::Pressure(rod, pressure(rod))));
+        moved.prescribe(numbers.iter().filter_map(|&(key, to)| {
+            let change = from.numbers().get(key).map_or(0.0, |from| along(*from, *to));
+            state.numbers().get(key).map(|value| PrescribedValue::Number(key.0, key.1, value + change))
+        }));
         engine.potential_without_contact(&moved)
     };
     // the third derivative counts by the square of this, 1e-6, and rounding is divided by no less

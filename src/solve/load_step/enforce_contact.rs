@@ -22,11 +22,10 @@ impl Solver {
         max_escapes: usize,
         report: &mut StepReport,
     ) -> Result<(), Failed> {
-        let tol = match self.engine.model.contact.law {
-            ContactLaw::AugmentedLagrangian { tol_penetration, .. } => Some(tol_penetration),
+        let mut secant_steps = match self.engine.model.contact.law {
+            ContactLaw::AugmentedLagrangian { tol_penetration, .. } => Some(SecantSteps::new(tol_penetration)),
             _ => None,
         };
-        let mut secant_steps = SecantSteps::default();
         let mut num_followed = 0;
         loop {
             if num_followed < MAX_TANGENT_ROUNDS && self.engine.follow_tangents() {
@@ -34,7 +33,9 @@ impl Solver {
                 increment = self.search_nearly(max_escapes, report)?;
                 continue;
             }
-            match tol.and_then(|tol| self.outstanding_in(report, tol, &mut secant_steps)) {
+            let outstanding =
+                secant_steps.as_mut().and_then(|steps| Some((self.outstanding_in(report, steps)?, steps)));
+            match outstanding {
                 None if increment <= self.options.newton.tol_increment => return Ok(()),
                 None => {
                     let options = SearchOptions { max_escapes, ..self.search_options() };
@@ -45,8 +46,8 @@ impl Solver {
                 Some(_) if report.augmentations >= self.options.max_augmentations => {
                     return Err(Status::Penetration.into());
                 }
-                Some(gaps) => {
-                    self.augment(&gaps, &mut secant_steps);
+                Some((gaps, steps)) => {
+                    self.augment(&gaps, steps);
                     report.augmentations += 1;
                     increment = self.search_nearly(max_escapes, report)?;
                 }
@@ -55,13 +56,8 @@ impl Solver {
     }
 
     /// Gaps that are to be closed or released, with what is left noted in the report; `None` at the end.
-    fn outstanding_in(
-        &self,
-        report: &mut StepReport,
-        tol: f64,
-        secant_steps: &mut SecantSteps,
-    ) -> Option<ContactField> {
-        let outstanding = self.outstanding(tol, secant_steps);
+    fn outstanding_in(&self, report: &mut StepReport, secant_steps: &mut SecantSteps) -> Option<ContactField> {
+        let outstanding = self.outstanding(secant_steps);
         report.penetration = outstanding.penetration;
         report.complementarity = outstanding.complementarity.unwrap_or(report.complementarity);
         outstanding.gaps

@@ -106,7 +106,7 @@ impl Solver {
         Prediction { increment, forces, uncertainty }: &Prediction,
     ) -> Result<Guess, SolveError> {
         let engine = &mut self.engine;
-        let Lifted { state, drive, .. } = lifted(engine, &engine.state, drive);
+        let Lifted { state, drive, .. } = lifted(engine, engine.state(), drive);
         let fraction = engine.free_fraction(&state, increment)?;
         let drive = drive.scaled(1.0 - fraction);
         let (forces, uncertainty) = (forces.clone(), *uncertainty);
@@ -115,13 +115,13 @@ impl Solver {
 
     /// The present state, turns about the rods' own tangents made.
     pub(super) fn present_guess(&self, drive: &PrescribedMotion) -> Guess {
-        let Lifted { state, drive, .. } = lifted(&self.engine, &self.engine.state, drive);
+        let Lifted { state, drive, .. } = lifted(&self.engine, self.engine.state(), drive);
         Guess { drive, ..Guess::of(state) }
     }
 
     /// Puts state and contact of a guess in force.
     pub(super) fn take(&mut self, guess: &Guess) {
-        self.engine.state.clone_from(&guess.state);
+        self.engine.take_state(guess.state.clone());
         if let (Some(side), ContactOfGuess::Known(LawInForce { law, offsets, before })) =
             (&mut self.engine.contact, guess.contact.clone())
         {

@@ -55,7 +55,7 @@ impl Solver {
         let [num_nodes, num_surfaces] = side.size();
         side.offsets = ContactField::uniform(num_nodes, num_surfaces, probe);
         side.before = None;
-        let state = self.engine.state.clone();
+        let state = self.engine.state().clone();
         self.engine.update_contact(&state)?;
         let probed = self.engine.residual(&state);
         let gaps = self.contact_errors_of(&probed).gaps.per_node(f64::min);
@@ -96,7 +96,7 @@ impl Solver {
         scale: f64,
         distance: f64,
     ) -> Result<Option<(Vec<[[f64; 3]; 3]>, Vec<f64>)>, SolveError> {
-        let state = self.engine.state.clone();
+        let state = self.engine.state().clone();
         let Some(side) = &mut self.engine.contact else { return Ok(None) };
         // the law's pressure opens no gap by more than this part of the contact distance
         side.law = Law::Linear { stiffness: scale / (PROBE * distance) };
@@ -134,7 +134,7 @@ impl Solver {
                 Some(prev) => (side.nodes[prev][0], side.set.lengths[prev] + side.set.lengths[segment]),
                 None => (node, side.set.lengths[segment]),
             };
-            let tangent = self.engine.state.frames[node] * Vec3::z();
+            let tangent = self.engine.state().frames()[node] * Vec3::z();
             let turn = tangent.cross(&((apart(next) - apart(first)) / length));
             let work = |of: &[f64]| -part(of, 6 * node).dot(&apart(node)) - part(of, 6 * node + 3).dot(&turn);
             let here = [work(push), work(&probed.contact_gradient)];
@@ -174,9 +174,9 @@ mod tests {
         let mut solver = Solver::new(Model { rods: vec![rod], ..Model::default() }, Options::default()).unwrap();
         let scale = solver.engine.pressure_scale();
         let law = Law::Core { pressure: scale, depth: 0.4 };
-        let state = solver.engine.state.clone();
+        let state = solver.engine.state().clone();
         let MultiplierEstimate { pressures, forces } = solver.multiplier_estimate(law, scale).unwrap();
-        assert_eq!(solver.engine.state, state);
+        assert_eq!(solver.engine.state(), &state);
         let mean = pressures[100..140].iter().sum::<f64>() / 40.0;
         assert!((mean / exact - 1.0).abs() < 0.01, "{mean} {exact}");
         let tension = forces[33..47].iter().flatten().map(|force| force[2]).sum::<f64>() / 42.0;

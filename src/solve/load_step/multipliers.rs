@@ -106,7 +106,7 @@ impl Solver {
     fn node_gaps(&self) -> Vec<f64> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut gaps = vec![f64::INFINITY; side.offsets.num_nodes()];
-        for term in &self.engine.residual(&self.engine.state).contact_pairs {
+        for term in &self.engine.residual(self.engine.state()).contact_pairs {
             let [slave, master] = [term.slave, term.master].map(|k| &side.set.segments[k]);
             let reach = side.set.radius_of(term.slave) + side.set.radius_of(term.master);
             for (zone, k) in term.zones.iter().flat_map(|zone| [(zone, 0), (zone, 1)]) {
@@ -136,14 +136,14 @@ impl Solver {
         if self.engine.contact.is_none() {
             return ContactErrors::default();
         }
-        self.contact_errors_of(&self.engine.residual(&self.engine.state))
+        self.contact_errors_of(&self.engine.residual(self.engine.state()))
     }
 
     /// [`Solver::contact_errors`] from the residual of the present state, with zones.
     pub(in crate::solve) fn contact_errors_of(&self, residual: &Residual) -> ContactErrors {
         let Some(side) = &self.engine.contact else { return ContactErrors::default() };
         let window = |slave, master| self.window(side, slave, master);
-        let gaps = smallest_gaps(side, residual, &self.engine.state.positions, window);
+        let gaps = smallest_gaps(side, residual, self.engine.state().positions(), window);
         let penetration = gaps.values.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;
         ContactErrors { gaps, penetration }
     }
@@ -169,15 +169,15 @@ impl Solver {
         half_point.max(a.length / a.num_elements as f64)
     }
 
-    /// Next task until penetrations are within a tolerance, relative to the contact radius, and no gap is open under force
-    /// that can be released.
-    pub(in crate::solve) fn outstanding(&self, tol: f64, secant_steps: &mut SecantSteps) -> Outstanding {
+    /// Next task until penetrations are within the tolerance of the secant steps, and no gap is open under force that can be
+    /// released.
+    pub(in crate::solve) fn outstanding(&self, secant_steps: &mut SecantSteps) -> Outstanding {
         if self.engine.contact.is_none() {
             return Outstanding { penetration: 0.0, complementarity: Some(0.0), gaps: None };
         }
-        let residual = self.engine.residual(&self.engine.state);
+        let residual = self.engine.residual(self.engine.state());
         let ContactErrors { mut gaps, penetration } = self.contact_errors_of(&residual);
-        let met = penetration <= tol;
+        let met = penetration <= secant_steps.tol;
         let mut outstanding = Outstanding { penetration, complementarity: None, gaps: None };
         let mut releases = false;
         // at first offsets are both lowered and raised, because they come from another law; later they are lowered only
@@ -192,7 +192,6 @@ impl Solver {
             }
         }
         secant_steps.rounds += 1;
-        secant_steps.tolerated = tol * self.engine.contact.as_ref().map_or(0.0, |side| side.min_radius);
         outstanding.gaps = (!met || releases).then_some(gaps);
         outstanding
     }
@@ -202,7 +201,7 @@ impl Solver {
         let Some(side) = &mut self.engine.contact else { return };
         let open = OPEN * side.min_radius;
         let before = side.offsets.at_places_of(&side.set, gaps);
-        secant_steps.adapt(&side.set, gaps, open);
+        secant_steps.adapt(&side.set, gaps, [secant_steps.tol * side.min_radius, open]);
         let raised = |k: usize, gap: f64| {
             let offset = before.values[k];
             // lowering offsets of closed gaps little by little would keep others from closing
@@ -218,8 +217,10 @@ impl Solver {
 /// Secant steps of the offsets. At the edge of a zone, or between two nodes that carry a contact, a gap may hardly depend on the
 /// offset; lowered by the gap alone, such an offset would not let go. Overlaps that vary from node to node would hardly close: at
 /// a wave number q rods follow an offset by a share κ/(κ + Bq⁴) of it.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(in crate::solve) struct SecantSteps {
+    /// Penetration that is tolerated, over the smallest contact radius.
+    tol: f64,
     secant_steps: ContactField,
     /// Gap at the last augmentation, and the decrease of the offset in it \[L\].
     before: Option<[ContactField; 2]>,
@@ -227,11 +228,14 @@ pub(in crate::solve) struct SecantSteps {
     released: Option<[ContactField; 2]>,
     /// Number of rounds so far.
     rounds: usize,
-    /// Overlap that is tolerated \[L\].
-    tolerated: f64,
 }
 
 impl SecantSteps {
+    /// Before the first augmentation; of a penetration that is tolerated, over the smallest contact radius.
+    pub(in crate::solve) fn new(tol: f64) -> Self {
+        Self { tol, secant_steps: ContactField::default(), before: None, released: None, rounds: 0 }
+    }
+
     /// Gaps to release: none where that was in vain. On lines of contact along a coarse mesh the ripples of elements
     /// stay open; the secant needs two tries to find how fast a gap closes (`contact_held_open`).
     fn not_in_vain(&mut self, set: &CurveSet, gaps: &ContactField) -> ContactField {
@@ -247,10 +251,10 @@ impl SecantSteps {
         left
     }
 
-    /// Factors for these gaps: 1 at first; where a gap is wider than `open` \[L\] or an overlap not tolerated, though the
+    /// Factors for these gaps: 1 at first; where an overlap is not tolerated \[L\] or a gap is wider than `open` \[L\], though the
     /// offset was changed for it, the factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last. An
     /// overlap that does not follow at all, as between supports, does not say how far to go.
-    fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, open: f64) {
+    fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, [tolerated, open]: [f64; 2]) {
         let Some(before) = &self.before else {
             self.secant_steps = gaps.map(|_, _| 1.0);
             return;
@@ -258,7 +262,7 @@ impl SecantSteps {
         let [before, lowered] = before.each_ref().map(|numbers| numbers.at_places_of(set, gaps).values);
         let secant_steps = self.secant_steps.at_places_of(set, gaps).values;
         self.secant_steps = gaps.map(|k, gap| {
-            let is_met = (-self.tolerated..=open).contains(&gap);
+            let is_met = (-tolerated..=open).contains(&gap);
             let stays = !is_met && gap * lowered[k] > 0.0;
             let followed = if stays { ((before[k] - gap) / lowered[k]).max(0.0) } else { 1.0 };
             let is_held = gap < 0.0 && followed < NOTHING;

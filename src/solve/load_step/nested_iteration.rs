@@ -87,11 +87,11 @@ impl Solver {
             return None;
         }
         let fine = coarse.refined(factor).ok()?;
-        if !self.is_same(&fine.engine.state, &coarse.engine, factor) {
+        if !self.is_same(fine.engine.state(), &coarse.engine, factor) {
             return None;
         }
         let contact = ContactOfGuess::of(&fine.engine);
-        Some(Guess { contact, escapes: made.escapes, ..Guess::of(fine.engine.state) })
+        Some(Guess { contact, escapes: made.escapes, ..Guess::of(fine.engine.state().clone()) })
     }
 
     /// The coarsest mesh that will do for the drive, with how many times fewer elements it has.
@@ -117,8 +117,8 @@ impl Solver {
         options.newton.tol_increment = options.newton.tol_increment.max(Fidelity::Draft.tol_increment());
         let mut coarse = Self::new(model, options).ok()?;
         let nodes = (0..self.engine.model.rods.len()).flat_map(|rod| self.engine.nodes(rod).step_by(factor));
-        coarse.engine.set_state(self.engine.state.on_nodes(nodes)).ok()?;
-        self.is_same(&self.engine.state, &coarse.engine, factor).then_some(coarse)
+        coarse.engine.set_state(self.engine.state().on_nodes(nodes)).ok()?;
+        self.is_same(self.engine.state(), &coarse.engine, factor).then_some(coarse)
     }
 
     /// Cubic elements that a draft has where the drive leads, at most the largest number there is; `None` where nobody
@@ -131,7 +131,7 @@ impl Solver {
             Natural::Uniform { kappa } => Vec3::from(*kappa).norm() * body.length / TAU,
             Natural::AsShaped | Natural::Varying(_) => return None,
         };
-        let link = (engine.state.seams[rod] + drive.seams.get(rod).unwrap_or(&0.0)).abs() / TAU;
+        let link = (engine.state().seams()[rod] + drive.seams.get(rod).unwrap_or(&0.0)).abs() / TAU;
         let tangents: Vec<Vec3> = engine.frames(rod).iter().map(|frame| frame * Vec3::z()).collect();
         let bent = tangents.windows(2).map(|pair| pair[0].angle(&pair[1])).sum::<f64>() / TAU;
         let turns = bent.max(1.0 + link + natural);
@@ -143,21 +143,21 @@ impl Solver {
         let engine = &self.engine;
         let body = &engine.model.rods[rod];
         body.num_segments() / (factor * Fidelity::ORDER) >= needed
-            && body.can_be_coarsened(engine.frames(rod), engine.state.seams[rod], factor)
+            && body.can_be_coarsened(engine.frames(rod), engine.state().seams()[rod], factor)
     }
 
     /// Whether the centrelines of rods that take part in contact are the same in a state of this mesh and on one of
     /// `factor` times fewer elements.
     fn is_same(&self, state: &State, coarse: &Engine, factor: usize) -> bool {
         let Some(side) = &self.engine.contact else { return true };
-        let [own, of_coarse] = [self.engine.tangents_of(state), coarse.tangents_of(&coarse.state)];
+        let [own, of_coarse] = [self.engine.tangents_of(state), coarse.tangents_of(coarse.state())];
         let deviation = |rod: usize, segment: usize| {
             let joined = |engine: &Engine, k: usize| {
                 let (first, count) = (engine.first_node[rod], engine.nodes(rod).len());
                 [first + k, first + (k + 1) % count]
             };
             let spacing = self.engine.model.rods[rod].spacing();
-            let whole = of_coarse.cubic(&coarse.state, joined(coarse, segment), spacing * factor as f64).0;
+            let whole = of_coarse.cubic(coarse.state(), joined(coarse, segment), spacing * factor as f64).0;
             let at = |k: usize| k as f64 / factor as f64;
             let parts = (0..factor).map(|k| {
                 let part = whole.restrict(at(k), at(k + 1));
@@ -193,7 +193,7 @@ pub(super) mod tests {
     }
 
     pub(in crate::solve::load_step) fn energy(solver: &Solver) -> f64 {
-        solver.engine.residual(&solver.engine.state).potential.elastic.total()
+        solver.engine.residual(solver.engine.state()).potential.elastic.total()
     }
 
     /// The state is the one that the long way leads to: on a mesh that carries its lines of contact by what the
@@ -202,7 +202,7 @@ pub(super) mod tests {
     fn large_turns_end_where_the_long_way_does() {
         let held = Support { node: NodeRef { rod: 0, node: 64 }, position: [true; 3], rotation: [false; 3] };
         let [mut quick, mut slow] = [(); 2].map(|()| ring(vec![held]));
-        let (drive, at) = (turns(-3.0), quick.engine.state.positions[64]);
+        let (drive, at) = (turns(-3.0), quick.engine.state().positions()[64]);
         let short = quick.solve_step(&drive);
         let long = slow.load_step_from(&[Origin::CoreLaw], &drive, &Ahead::Unknown);
         for report in [&short, &long] {
@@ -212,8 +212,8 @@ pub(super) mod tests {
         assert!(short.iterations_on_other_meshes > 0 && long.iterations_on_other_meshes == 0);
         assert!(2 * short.iterations < long.iterations, "{} {}", short.iterations, long.iterations);
         assert!((energy(&quick) / energy(&slow) - 1.0).abs() < 1e-4, "{} {}", energy(&quick), energy(&slow));
-        assert_eq!(quick.engine.state.seams, slow.engine.state.seams);
-        assert!((quick.engine.state.positions[64] - at).norm() < 1e-12);
+        assert_eq!(quick.engine.state().seams(), slow.engine.state().seams());
+        assert!((quick.engine.state().positions()[64] - at).norm() < 1e-12);
     }
 
     /// A report says how much softer than requested the law in force is, whichever search the step converged by:
@@ -246,14 +246,14 @@ pub(super) mod tests {
         assert_eq!(factor(&ring(vec![held(67)]), &drive), None);
         for (by, found) in [(0.5, Some(4)), (1.5, None)] {
             let mut bent = ring(vec![]);
-            bent.engine.state.positions[101].z += by * SAME_CURVE * 0.01;
+            bent.engine.state_mut().nodes_mut().0[101].z += by * SAME_CURVE * 0.01;
             assert_eq!(factor(&bent, &drive), found);
         }
         for (by, found) in [(0.15, Some(4)), (0.25, Some(2)), (0.45, None)] {
             let mut twisted = ring(vec![]);
             for k in 0..4 {
                 let turn = crate::math::quaternion::spin(TAU * by * (1.0 - (k as f64 - 2.0).abs() / 2.0));
-                let frame = &mut twisted.engine.state.frames[100 + k];
+                let frame = &mut twisted.engine.state_mut().nodes_mut().1[100 + k];
                 *frame *= turn;
             }
             assert_eq!(factor(&twisted, &drive), found);
@@ -267,10 +267,10 @@ pub(super) mod tests {
     fn large_turns_are_interrupted() {
         let mut solver = ring(vec![]);
         solver.options.newton.interrupt.raise();
-        let before = solver.engine.state.positions.clone();
+        let before = solver.engine.state().positions().to_vec();
         let report = solver.solve_step(&turns(3.0));
         assert_eq!(report.status, Status::Stopped);
         assert!(report.iterations_on_other_meshes <= 1 && report.iterations <= 1, "{report:?}");
-        assert_eq!(solver.engine.state.positions, before);
+        assert_eq!(solver.engine.state().positions(), before);
     }
 }

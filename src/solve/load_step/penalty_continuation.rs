@@ -45,7 +45,7 @@ impl Solver {
         if ratio <= 1.0 || *offsets != own {
             return Ok(());
         }
-        let state = self.engine.state.clone();
+        let state = self.engine.state().clone();
         self.engine.update_contact(&state)?;
         let overlaps = self.overlaps();
         let runs = self.runs(&overlaps);
@@ -85,7 +85,7 @@ impl Solver {
     fn overlaps(&self) -> Vec<Felt> {
         let Some(side) = &self.engine.contact else { return Vec::new() };
         let mut felt = vec![Felt::default(); side.set.len()];
-        let residual = self.engine.residual(&self.engine.state);
+        let residual = self.engine.residual(self.engine.state());
         for term in residual.contact_pairs {
             let here = &mut felt[term.slave];
             let offset = side.offset(term.slave, term.master);

@@ -27,7 +27,7 @@ use crate::scene::{ObstacleNumber, ObstaclePose};
 use crate::solve::measures::{ARC, MAX_ROUNDS};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, Moved, PrescribedMotion, Target, seam_shares, spin_shares};
-use crate::solve::problem::state::State;
+use crate::solve::problem::state::{PrescribedValue, State};
 
 /// Relative difference up to which changes of prescribed values are parallel, because numbers are given with six
 /// digits.
@@ -74,7 +74,7 @@ impl Visited {
     fn controls(&self) -> BTreeMap<Control, f64> {
         let mut all = BTreeMap::new();
         let Self { state, moved } = self;
-        all.extend(state.seams.iter().enumerate().map(|(rod, angle)| (Control::Seam(rod), *angle)));
+        all.extend(state.seams().iter().enumerate().map(|(rod, angle)| (Control::Seam(rod), *angle)));
         all.extend(moved.turned.iter().map(|(node, turns)| (Control::Turns(*node), *turns)));
         let displaced = moved.displaced.iter();
         all.extend(
@@ -86,14 +86,14 @@ impl Visited {
             posed
                 .flat_map(|(node, by)| (0..6).map(|k| (Control::Pose(*node, k), by[k / 3][k % 3])).collect::<Vec<_>>()),
         );
-        all.insert(Control::LoadFactor, state.load_factor);
-        all.extend(state.pressures.iter().enumerate().map(|(rod, pressure)| (Control::Pressure(rod), *pressure)));
+        all.insert(Control::LoadFactor, state.load_factor());
+        all.extend(state.pressures().iter().enumerate().map(|(rod, pressure)| (Control::Pressure(rod), *pressure)));
         let numbers = |placement: &ObstaclePose| ObstacleNumber::ALL.map(|which| placement.get(which));
-        let placed = state.placements.iter().map(numbers).enumerate();
+        let placed = state.placements().iter().map(numbers).enumerate();
         all.extend(
             placed.flat_map(|(k, numbers)| (0..numbers.len()).map(move |i| (Control::Placement(k, i), numbers[i]))),
         );
-        all.extend(state.numbers.iter().map(|((rod, which), value)| (Control::Number(*rod, *which), *value)));
+        all.extend(state.numbers().iter().map(|((rod, which), value)| (Control::Number(*rod, *which), *value)));
         all
     }
 }
@@ -169,7 +169,7 @@ impl History {
 
     /// Whether the last state is this one.
     pub(crate) fn ends_at(&self, state: &State) -> bool {
-        self.visited.last().is_some_and(|last| last.state.positions == state.positions)
+        self.visited.last().is_some_and(|last| last.state.positions() == state.positions())
     }
 
     /// All states kept.
@@ -179,12 +179,12 @@ impl History {
 
     /// The state before the step to a target, with the controls of the target, whose drive is `lifted`.
     pub(crate) fn target(&self, engine: &Engine, target: &Target, lifted: &Lifted) -> Option<Visited> {
-        let last = self.visited.last().filter(|_| self.ends_at(&engine.state))?;
+        let last = self.visited.last().filter(|_| self.ends_at(engine.state()))?;
         let mut moved = last.moved.clone();
         moved.go_on(target, &lifted.spun);
         let mut state = last.state.clone();
-        state.seams.clone_from(&lifted.state.seams);
-        target.load(&mut state);
+        state.prescribe(lifted.state.seams().iter().enumerate().map(|(rod, &angle)| PrescribedValue::Seam(rod, angle)));
+        state.prescribe(target.values());
         Some(Visited { state, moved })
     }
 
@@ -219,7 +219,7 @@ impl History {
     /// prediction.
     pub(crate) fn predict(&self, engine: &Engine, target: &Visited, drive: &PrescribedMotion) -> Option<Prediction> {
         // forces under other stiffnesses cannot be extrapolated
-        if self.visited.iter().any(|visited| visited.state.numbers != target.state.numbers) {
+        if self.visited.iter().any(|visited| visited.state.numbers() != target.state.numbers()) {
             return None;
         }
         let (place, line) = self.line_to_extrapolate(target)?;
@@ -246,7 +246,7 @@ impl History {
 /// the line's states leads at a place.
 fn extrapolated(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Visited)]) -> Vec<f64> {
     let last = line[0].1;
-    let present: Vec<Quat> = spun(&last.state.frames, &last.spins_to(engine, target));
+    let present: Vec<Quat> = spun(last.state.frames(), &last.spins_to(engine, target));
     // velocity and rotation of the surroundings, and the frame's rotation within them
     let mut sums = vec![[Vec3::zeros(); 3]; present.len()];
     let mut rotations = vec![[Vec3::zeros(); 2]; present.len()];
@@ -254,14 +254,14 @@ fn extrapolated(engine: &Engine, target: &Visited, place: f64, line: &[(f64, &Vi
         let weight = lagrange_weight(line.len(), |k| line[k].0, index, place);
         // whole turns go on from state to state
         let farther = if index > 1 { at / line[index - 1].0 } else { 0.0 };
-        let frames = spun(&visited.state.frames, &visited.spins_to(engine, target));
+        let frames = spun(visited.state.frames(), &visited.spins_to(engine, target));
         let surroundings = surroundings(engine, &last.state, &visited.state);
         for (node, (sum, rotations)) in sums.iter_mut().zip(&mut rotations).enumerate() {
             let within = surroundings[node].inverse() * frames[node] * present[node].inverse();
             let both = [surroundings[node], within];
             *rotations = std::array::from_fn(|k| rotation_vector(&both[k], &(rotations[k] * farther)));
             let state = &visited.state;
-            let displacement = (state.positions[node] - last.state.positions[node])
+            let displacement = (state.positions()[node] - last.state.positions()[node])
                 + (state.remainders()[node] - last.state.remainders()[node]);
             sum[0] += weight * unscrew(&rotations[0], &displacement);
             sum[1] += weight * rotations[0];
@@ -284,7 +284,7 @@ fn surroundings(engine: &Engine, from: &State, to: &State) -> Vec<Quat> {
     let mut all = Vec::with_capacity(engine.num_nodes());
     for (index, rod) in engine.model.rods.iter().enumerate() {
         let (nodes, order) = (engine.nodes(index), rod.order as isize);
-        let turns = turns(&from.positions[nodes.clone()], rod.closed);
+        let turns = turns(&from.positions()[nodes.clone()], rod.closed);
         let count = nodes.len() as isize;
         for n in 0..count {
             let here = nodes.start + n as usize;
@@ -295,7 +295,8 @@ fn surroundings(engine: &Engine, from: &State, to: &State) -> Vec<Quat> {
                     if !(0..count).contains(&k) {
                         continue;
                     }
-                    let [before, after] = [from, to].map(|s| s.positions[nodes.start + k as usize] - s.positions[here]);
+                    let [before, after] =
+                        [from, to].map(|s| s.positions()[nodes.start + k as usize] - s.positions()[here]);
                     spread += after * before.transpose();
                     size += before.norm_squared();
                     turned += turns[k as usize];
@@ -304,9 +305,9 @@ fn surroundings(engine: &Engine, from: &State, to: &State) -> Vec<Quat> {
                     break;
                 }
             }
-            let [before, after] = [from, to].map(|state| state.frames[here].to_rotation_matrix());
+            let [before, after] = [from, to].map(|state| state.frames()[here].to_rotation_matrix());
             spread += after.matrix() * before.matrix().transpose() * (STRAIGHT.powi(2) * size);
-            all.push(rotation_of(&spread).unwrap_or(to.frames[here] * from.frames[here].inverse()));
+            all.push(rotation_of(&spread).unwrap_or(to.frames()[here] * from.frames()[here].inverse()));
         }
     }
     all
@@ -357,7 +358,7 @@ impl Visited {
     /// Angles about d3, rad, by which seams and supports spin the frames of the nodes on the way to another state.
     fn spins_to(&self, engine: &Engine, target: &Self) -> Vec<f64> {
         let mut spins = vec![0.0; engine.num_nodes()];
-        for (rod, (from, to)) in self.state.seams.iter().zip(&target.state.seams).enumerate() {
+        for (rod, (from, to)) in self.state.seams().iter().zip(target.state.seams()).enumerate() {
             seam_shares(engine, rod).for_each(|(node, share)| spins[node] += (to - from) * share);
         }
         for (&node, angle) in &target.moved.spun {
@@ -417,11 +418,12 @@ mod tests {
         let through = Vec3::new(0.0, 0.3, -0.2);
         let axis = Vec3::new(1.0, 2.0, 2.0) / 3.0;
         let goes_round = |step: f64| {
-            let mut state = engine.state.clone();
+            let mut state = engine.state().clone();
+            let (positions, frames) = state.nodes_mut();
             let turn = exp(&(axis * (2.5 * step)));
             for node in 0..36 {
-                state.positions[node] = through + turn * (engine.state.positions[node] - through);
-                state.frames[node] = turn * engine.state.frames[node] * spin(-2.1 * step);
+                positions[node] = through + turn * (engine.state().positions()[node] - through);
+                frames[node] = turn * engine.state().frames()[node] * spin(-2.1 * step);
             }
             Visited { state, moved: Moved::default() }
         };
@@ -429,7 +431,7 @@ mod tests {
         assert!(missed_round < 1e-9, "{missed_round:e}");
         let engine = Engine::new(clamped(false), None).unwrap();
         let is_spun = |step: f64| {
-            let mut state = engine.state.clone();
+            let mut state = engine.state().clone();
             let angle = 2.6 * step;
             spin_evenly(&engine, &mut state, 36, angle);
             Visited { state, moved: Moved { spun: [(36, angle)].into(), ..Moved::default() } }
@@ -443,15 +445,16 @@ mod tests {
     fn helices_are_wound_on_arcs() {
         let engine = Engine::new(clamped(false), None).unwrap();
         let at = |step: f64| {
-            let mut state = engine.state.clone();
+            let mut state = engine.state().clone();
+            let (positions, frames) = state.nodes_mut();
             let angle = 12.0 + 0.6 * step;
             for node in 0..=36 {
                 let along = node as f64 / 36.0;
                 let turn = exp(&(Vec3::x() * (angle * along)));
-                state.positions[node] = Vec3::new(along, 0.0, 0.0) + turn * Vec3::new(0.0, 0.1, 0.0);
+                positions[node] = Vec3::new(along, 0.0, 0.0) + turn * Vec3::new(0.0, 0.1, 0.0);
                 let tangent = Vec3::new(1.0, 0.0, 0.0) + turn * Vec3::new(0.0, 0.0, 0.1 * angle);
                 let tilt = Quat::rotation_between(&(turn * Vec3::x()), &tangent).unwrap();
-                state.frames[node] = tilt * turn * engine.state.frames[node];
+                frames[node] = tilt * turn * engine.state().frames()[node];
             }
             Visited { state, moved: Moved::default() }
         };
@@ -460,8 +463,8 @@ mod tests {
         let there = engine.retract(&last.state, &increment, 1.0);
         let lost = |x: &Vec3| (x.yz().norm() - 0.1).abs();
         let [on_arcs, on_parabolas] = (0..=36).fold([0.0f64; 2], |[arcs, parabolas], node| {
-            let [a, b, c] = [&first, &before, &last].map(|visited| visited.state.positions[node]);
-            [arcs.max(lost(&there.positions[node])), parabolas.max(lost(&(a - b * 3.0 + c * 3.0)))]
+            let [a, b, c] = [&first, &before, &last].map(|visited| visited.state.positions()[node]);
+            [arcs.max(lost(&there.positions()[node])), parabolas.max(lost(&(a - b * 3.0 + c * 3.0)))]
         });
         assert!(on_arcs < 0.03 * on_parabolas, "{on_arcs:e} {on_parabolas:e}");
     }
@@ -471,8 +474,8 @@ mod tests {
     fn ways_go_on_along_their_line() {
         let at = |seam: f64, load: f64| {
             let engine = Engine::new(clamped(true), None).unwrap();
-            let mut state = engine.state;
-            (state.seams, state.load_factor) = (vec![seam], load);
+            let mut state = engine.state().clone();
+            state.prescribe([PrescribedValue::Seam(0, seam), PrescribedValue::Load(load)]);
             Visited { state, moved: Moved::default() }
         };
         let mut history = History::default();
@@ -496,7 +499,7 @@ mod tests {
     #[test]
     fn a_path_does_not_know_its_stages() {
         let options = Options::default();
-        let stage = |to: f64, steps: usize| Stage { ramps: vec![Ramp::ExcessLink { rod: 0, to }], steps };
+        let stage = |to: f64, steps: usize| Stage::new(vec![Ramp::ExcessLink { rod: 0, to }], steps);
         let path = |stages: &[Stage]| {
             let mut seen = Vec::new();
             let solution = run(clamped(true), stages, &options, &mut |progress| {
@@ -505,7 +508,7 @@ mod tests {
             })
             .unwrap();
             assert_eq!(solution.status, Status::Converged);
-            (seen, solution.solver.engine.state)
+            (seen, solution.solver.engine.state().clone())
         };
         let (whole, state) = path(&[stage(2.0, 8)]);
         assert!(whole.iter().filter(|(_, predicted)| *predicted).count() >= 4, "{whole:?}");
@@ -521,9 +524,9 @@ mod tests {
             single.push((report.iterations, report.is_predicted()));
         }
         assert_eq!(whole, single);
-        for end in [&other, &solver.engine.state] {
-            assert_eq!(end.positions, state.positions);
-            assert_eq!(end.frames, state.frames);
+        for end in [&other, solver.engine.state()] {
+            assert_eq!(end.positions(), state.positions());
+            assert_eq!(end.frames(), state.frames());
         }
     }
 }

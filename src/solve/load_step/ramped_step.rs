@@ -6,7 +6,7 @@ use crate::error::{InputError, SolveError};
 use crate::math::Vec3;
 use crate::math::quaternion::exp;
 use crate::scene::model::{RemainingPath, unit};
-use crate::scene::{NodeRef, Pose, Ramp, Stage};
+use crate::scene::{NodeRef, Pose, Ramp, Stage, SupportChange};
 use crate::solve::load_step::guess::Ahead;
 use crate::solve::load_step::predictor::{FARTHEST, History, Prediction};
 use crate::solve::load_step::solver::Solver;
@@ -26,10 +26,19 @@ impl Solver {
     /// # Errors
     /// Ramps that do not fit the model, a [`Ramp::RotationAbout`] or a [`Ramp::Pose`] by more than [`Ramp::MAX_ROUND`].
     pub fn step_to(&mut self, ramps: &[Ramp]) -> Result<StepReport, InputError> {
-        if !ramps.is_empty() {
-            self.engine.model.check_stages(&[Stage { ramps: ramps.to_vec(), steps: 1 }])?;
+        self.step_through(&Stage::new(ramps.to_vec(), 1))
+    }
+
+    /// As [`Solver::step_to`], for the ramps of a stage, whose changes of supports are made before; without either, settles.
+    ///
+    /// # Errors
+    /// Those of [`Solver::step_to`]; changes of supports that do not fit the model.
+    pub fn step_through(&mut self, stage: &Stage) -> Result<StepReport, InputError> {
+        let ramps = &stage.ramps[..];
+        if !ramps.is_empty() || !stage.supports.is_empty() {
+            self.engine.model.check_stages(&[Stage { steps: 1, ..stage.clone() }])?;
         }
-        self.change_supports(ramps)
+        self.change_supports(&stage.supports)
             .map_err(|error| InputError::Inconsistent { field: "ramp".to_owned(), reason: error.to_string() })?;
         self.note_numbers(ramps);
         let round = self.largest_round(ramps);
@@ -85,32 +94,32 @@ impl Solver {
 
     /// Whether an obstacle moves so far at once that it might pass a strand: such steps are made in halves.
     fn leaps(&self, target: &Target) -> bool {
-        let (model, state) = (&self.engine.model, &self.engine.state);
-        let mut after = state.placements.clone();
+        let (model, state) = (&self.engine.model, self.engine.state());
+        let mut after = state.placements().to_vec();
         target.placements.iter().for_each(|(obstacle, which, to)| after[*obstacle].set(*which, *to));
         let spacing = model.rods.iter().map(crate::rod::Rod::spacing).fold(0.0, f64::max);
-        let moved = model.obstacles.iter().zip(state.placements.iter().zip(&after)).filter(|(_, (a, b))| a != b);
-        moved.into_iter().any(|(obstacle, (from, to))| obstacle.leaps_over([from, to], &state.positions, spacing))
+        let moved = model.obstacles.iter().zip(state.placements().iter().zip(&after)).filter(|(_, (a, b))| a != b);
+        moved.into_iter().any(|(obstacle, (from, to))| obstacle.leaps_over([from, to], state.positions(), spacing))
     }
 
     /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
     /// Where `doubts` are requested they do not if the step was too long to be predicted and may have lost its branch,
     /// which the second part of the result says.
     fn attempt(&mut self, target: &Target, doubts: bool) -> (StepReport, bool) {
-        let lifted = lifted(&self.engine, &self.engine.state, &target.drive);
+        let lifted = lifted(&self.engine, self.engine.state(), &target.drive);
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &lifted.spun) {
             return (StepReport::refused(error), false);
         }
         let changes = self.changes(target, &lifted);
         // work counts from an equilibrium
-        let before = if self.history.ends_at(&self.engine.state) { self.balance(&changes) } else { None };
+        let before = if self.history.ends_at(self.engine.state()) { self.balance(&changes) } else { None };
         let end = self.history.target(&self.engine, target, &lifted);
         let stride = end.as_ref().and_then(|end| self.history.stride(end));
         let last = self.history.work.zip(stride);
         let predicted = end.and_then(|end| self.history.predict(&self.engine, &end, &lifted.drive));
         let predicted = predicted.or_else(|| self.unpredicted(target, &lifted.drive));
         let ahead = predicted.map_or(Ahead::Unknown, Ahead::Predicted);
-        target.load(&mut self.engine.state);
+        self.engine.prescribe(target.values());
         if let Err(error) = self.engine.take_numbers() {
             return (StepReport::refused(SolveError::Symbolic { reason: error.to_string() }), false);
         }
@@ -136,7 +145,7 @@ impl Solver {
         if report.escapes > 0 {
             self.history.clear();
         }
-        self.history.push(&self.engine.state, &self.moved);
+        self.history.push(self.engine.state(), &self.moved);
     }
 
     /// A state whose elements may have taken the other way round is no equilibrium of the rod.
@@ -167,14 +176,19 @@ impl Solver {
 
     /// A node relative to a point of the axis it is turned about \[L\]; the axis moves with the node's displacements.
     fn arm(&self, node: usize, through: &Vec3) -> Vec3 {
-        let state = &self.engine.state;
-        (state.positions[node] - through - self.displaced(node)) + state.remainders()[node]
+        let state = self.engine.state();
+        (state.positions()[node] - through - self.displaced(node)) + state.remainders()[node]
     }
 
     /// The way from where a node is to a pose.
     fn remaining_path(&self, node: usize, pose: &Pose) -> RemainingPath {
-        let state = &self.engine.state;
-        pose.remaining_path(&state.positions[node], &state.remainders()[node], &state.frames[node], self.turned(node))
+        let state = self.engine.state();
+        pose.remaining_path(
+            &state.positions()[node],
+            &state.remainders()[node],
+            &state.frames()[node],
+            self.turned(node),
+        )
     }
 
     /// Turns by which the ramps will carry a node round an axis or to a pose, at most.
@@ -195,7 +209,7 @@ impl Solver {
     /// The target when every ramp takes the fraction `take` of its remaining change.
     pub(in crate::solve) fn target(&self, ramps: &[Ramp], take: f64) -> Target {
         let mut target = Target::default();
-        let state = &self.engine.state;
+        let state = self.engine.state();
         let between = |now: f64, to: f64| now + (to - now) * take;
         let node_of = |n: &NodeRef| self.engine.first_node[n.rod] + n.node;
         // joined nodes move as one, which is called by its first
@@ -206,7 +220,7 @@ impl Solver {
                     let seams = &mut target.drive.seams;
                     seams.resize(self.engine.model.rods.len(), 0.0);
                     let link = to + self.engine.model.rods[*rod].natural_link();
-                    seams[*rod] = (link * TAU - state.seams[*rod]) * take;
+                    seams[*rod] = (link * TAU - state.seams()[*rod]) * take;
                 }
                 Ramp::Rotation { node, axis, to } => {
                     let [.., node] = owner(node);
@@ -226,18 +240,16 @@ impl Solver {
                     target.displaced.push((node, change));
                 }
                 Ramp::Pose { node, pose } => self.add_pose(node_of(node), pose, take, &mut target),
-                Ramp::Load { to } => target.load_factor = Some(between(state.load_factor, *to)),
-                Ramp::Pressure { rod, to } => target.pressures.push((*rod, between(state.pressures[*rod], *to))),
+                Ramp::Load { to } => target.load_factor = Some(between(state.load_factor(), *to)),
+                Ramp::Pressure { rod, to } => target.pressures.push((*rod, between(state.pressures()[*rod], *to))),
                 Ramp::Obstacle { obstacle, which, to } => {
-                    let now = state.placements[*obstacle].get(*which);
+                    let now = state.placements()[*obstacle].get(*which);
                     target.placements.push((*obstacle, *which, between(now, *to)));
                 }
                 Ramp::Number { rod, which, to } => {
                     let now = self.engine.model.rods[*rod].number(*which);
                     target.numbers.insert((*rod, *which), if take == 1.0 { *to } else { between(now, *to) });
                 }
-                // done before the stage's first step
-                Ramp::Hold(_) | Ramp::Release(_) => {}
             }
         }
         target.drive.nodes = self.engine.with_joined(&target.drive.nodes);
@@ -246,23 +258,22 @@ impl Solver {
 
     /// Adds the motion of a node over a part of its way to a pose.
     fn add_pose(&self, node: usize, pose: &Pose, take: f64, target: &mut Target) {
-        let state = &self.engine.state;
+        let state = self.engine.state();
         let way = self.remaining_path(node, pose);
         target.drive.nodes.push((node, way.displacement(take), way.rotation * take));
         if way.turns != 0.0 {
             // a second motion of the node: the rod takes it by itself, being about its tangent
-            let (change, tangent) = (way.turns * take, state.frames[node] * Vec3::z());
+            let (change, tangent) = (way.turns * take, state.frames()[node] * Vec3::z());
             target.rotate(node, change, Vec3::zeros(), tangent * (change * TAU));
         }
-        target.posed.push((node, way.controls(&state.positions[node]).map(|v| v * take)));
+        target.posed.push((node, way.controls(&state.positions()[node]).map(|v| v * take)));
     }
 
     /// Notes the present values of numbers that ramps are about to move, so that a step that fails goes back to them.
     pub(in crate::solve) fn note_numbers(&mut self, ramps: &[Ramp]) {
         for ramp in ramps {
             if let Ramp::Number { rod, which, .. } = ramp {
-                let value = self.engine.model.rods[*rod].number(*which);
-                self.engine.state.numbers.entry((*rod, *which)).or_insert(value);
+                self.engine.note_number(*rod, *which);
             }
         }
     }
@@ -271,8 +282,8 @@ impl Solver {
     ///
     /// # Errors
     /// Contact geometry that breaks down.
-    pub(in crate::solve) fn change_supports(&mut self, ramps: &[Ramp]) -> Result<(), SolveError> {
-        if !self.engine.model.change_supports(ramps) {
+    pub(in crate::solve) fn change_supports(&mut self, changes: &[SupportChange]) -> Result<(), SolveError> {
+        if !self.engine.model.change_supports(changes) {
             return Ok(());
         }
         self.engine.find_unknowns();
@@ -282,7 +293,7 @@ impl Solver {
 
     /// Where a step leads that changes numbers: nowhere by itself, supports move as prescribed.
     fn unpredicted(&self, target: &Target, drive: &PrescribedMotion) -> Option<Prediction> {
-        let changes = target.numbers.iter().any(|(key, value)| self.engine.state.numbers.get(key) != Some(value));
+        let changes = target.numbers.iter().any(|(key, value)| self.engine.state().numbers().get(key) != Some(value));
         changes.then(|| {
             let mut still = Prediction::still(&self.engine);
             drive.add_to(&mut still.increment);

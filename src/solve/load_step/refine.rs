@@ -55,8 +55,8 @@ impl Engine {
     /// over the node spacing (dimensionless). The force along the sliding of a uniform closed rod, a ripple of the
     /// mesh, does not count, nor contact's along motions that cost nothing.
     pub fn relative_residual(&self) -> f64 {
-        let mut residual = self.residual(&self.state);
-        ZeroEnergyModes::at(self, &self.state, &residual).remove_forces(&mut residual);
+        let mut residual = self.residual(self.state());
+        ZeroEnergyModes::at(self, self.state(), &residual).remove_forces(&mut residual);
         relative_residual(self, &residual)
     }
 }
@@ -73,11 +73,11 @@ impl Solver {
         let (mut positions, mut frames): (Vec<Vec3>, Vec<Quat>) = (Vec::new(), Vec::new());
         for (index, rod) in coarse.model.rods.iter().enumerate() {
             let (r, q) =
-                rod.interleave(coarse.positions(index), coarse.frames(index), coarse.state.seams[index], factor);
+                rod.interleave(coarse.positions(index), coarse.frames(index), coarse.state().seams()[index], factor);
             positions.extend(r);
             frames.extend(q);
         }
-        fine.engine.set_state(coarse.state.with_nodes(positions, frames))?;
+        fine.engine.set_state(coarse.state().with_nodes(positions, frames))?;
         let between = |node: usize| {
             let rod = fine.engine.rod_of(node);
             let [first, end] = [coarse.first_node[rod], coarse.first_node[rod + 1]];

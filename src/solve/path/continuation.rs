@@ -294,7 +294,7 @@ impl Solver {
         observer: &mut dyn FnMut(&PathPoint) -> ControlFlow<()>,
     ) -> Result<FollowReport, InputError> {
         options.check()?;
-        self.engine.model.check_stages(&[Stage { ramps: vec![ramp.clone()], steps: 1 }])?;
+        self.engine.model.check_stages(&[Stage::new(vec![ramp.clone()], 1)])?;
         let parameter = Parameter::new(self, ramp)?;
         let mut tracer = Tracer { solver: self, parameter: parameter.clone(), iterations: 0, eigenvalue_noise: 0.0 };
         let mut reporter = Reporter { observer, points: 0, started: Instant::now() };

@@ -75,7 +75,7 @@ impl Failure {
     /// Of the engine in the state that the attempt ended in.
     pub(crate) fn of(engine: &Engine, report: &StepReport, newton: &NewtonOptions) -> Self {
         let last = report.history.last().and_then(|search| search.last());
-        let residual = engine.residual(&engine.state);
+        let residual = engine.residual(engine.state());
         let gradient = residual.bases.without_reactions(&residual.gradient);
         let scale = |k: usize| if k < 3 { engine.scales.lever } else { 1.0 };
         let unbalanced = |node: usize| {

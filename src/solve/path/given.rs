@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use crate::math::{Quat, Vec3};
-use crate::scene::{Model, NodeRef, Ramp, Stage};
+use crate::scene::{Model, NodeRef, Stage, SupportChange};
 use crate::solve::options::Options;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::newton::NewtonOptions;
@@ -16,7 +16,7 @@ pub struct Given {
     pub model: Model,
     /// All stages.
     pub stages: Vec<Stage>,
-    /// Position \[L\] and frame of nodes when a stage began to hold them ([`Ramp::Hold`]), last.
+    /// Position \[L\] and frame of nodes when a stage began to hold them ([`SupportChange::Hold`]), last.
     pub held: BTreeMap<NodeRef, (Vec3, Quat)>,
     /// Tolerance of increments that the solver was given, see [`NewtonOptions`](crate::solve::NewtonOptions).
     pub tol_increment: f64,
@@ -44,12 +44,12 @@ impl Given {
     }
 
     /// Notes where nodes are that a stage holds from now on.
-    pub(super) fn note_held(&mut self, ramps: &[Ramp], engine: &Engine) {
-        for ramp in ramps {
-            let Ramp::Hold(support) = ramp else { continue };
+    pub(super) fn note_held(&mut self, changes: &[SupportChange], engine: &Engine) {
+        for change in changes {
+            let SupportChange::Hold(support) = change else { continue };
             for node in self.model.joined_nodes(support.node) {
                 let index = engine.first_node[node.rod] + node.node;
-                self.held.insert(node, (engine.state.positions[index], engine.state.frames[index]));
+                self.held.insert(node, (engine.state().positions()[index], engine.state().frames()[index]));
             }
         }
     }

@@ -86,7 +86,7 @@ pub struct Equilibrium {
 impl Equilibrium {
     /// That of an engine.
     pub fn of(engine: &Engine) -> Self {
-        Self { model: engine.model.clone(), state: engine.state.clone(), contact: ContactRestart::of(engine) }
+        Self { model: engine.model.clone(), state: engine.state().clone(), contact: ContactRestart::of(engine) }
     }
 
     /// The problem.
@@ -120,7 +120,7 @@ impl Solver {
         let Self { engine, workspace: _, options: _, moved, history } = self;
         let contact = ContactRestart::of(engine);
         let held = given.held.iter().map(|(node, (x, q))| (node.rod, node.node, *x, *q)).collect();
-        Restart { place, state: engine.state.clone(), contact, moved: moved.clone(), held, history: history.clone() }
+        Restart { place, state: engine.state().clone(), contact, moved: moved.clone(), held, history: history.clone() }
     }
 
     /// Puts a contact law and its offsets in force.
@@ -146,17 +146,17 @@ impl Solver {
     pub(crate) fn take_over(&mut self, restart: Restart) -> Result<(), InputError> {
         let Restart { place: _, state, contact, moved, held: _, history } = restart;
         let refuse = |reason: &str| InputError::Inconsistent { field: "restart".to_owned(), reason: reason.to_owned() };
-        if let Some(node) = moved.nodes().find(|node| *node >= state.positions.len()) {
+        if let Some(node) = moved.nodes().find(|node| *node >= state.positions().len()) {
             return Err(refuse(&format!("moves node {node}, which the model has not")));
         }
-        let numbers = state.positions.iter().chain(state.remainders()).flatten();
-        let numbers = numbers.chain(state.frames.iter().flat_map(|q| q.coords.iter()));
-        if !numbers.chain(&state.seams).chain(&state.pressures).chain([&state.load_factor]).all(|x| x.is_finite())
-            || !state.placements.iter().all(ObstaclePose::is_finite)
+        let numbers = state.positions().iter().chain(state.remainders()).flatten();
+        let numbers = numbers.chain(state.frames().iter().flat_map(|q| q.coords.iter()));
+        if !numbers.chain(state.seams()).chain(state.pressures()).chain([&state.load_factor()]).all(|x| x.is_finite())
+            || !state.placements().iter().all(ObstaclePose::is_finite)
         {
             return Err(refuse("has a number that is not finite"));
         }
-        let sizes = |s: &State| [s.positions.len(), s.remainders().len(), s.frames.len()];
+        let sizes = |s: &State| [s.positions().len(), s.remainders().len(), s.frames().len()];
         if history.states().any(|s| sizes(s) != sizes(&state)) {
             return Err(refuse("remembers states of another model"));
         }

@@ -227,9 +227,9 @@ impl LoadStepping<'_, '_> {
         let rounds = self.solver.largest_round(&stage.ramps) / (1.0 - self.place.fraction) / Ramp::MAX_ROUND;
         let full = 1.0 / (stage.steps as f64).max((rounds - SAME_STEP).ceil());
         let mut size = self.place.step_size.min(full);
-        self.solver.change_supports(&stage.ramps)?;
+        self.solver.change_supports(&stage.supports)?;
         if self.place.fraction == 0.0 {
-            self.given.note_held(&stage.ramps, &self.solver.engine);
+            self.given.note_held(&stage.supports, &self.solver.engine);
         }
         self.solver.note_numbers(&stage.ramps);
         let mut started = Instant::now();
@@ -302,10 +302,10 @@ impl LoadStepping<'_, '_> {
 fn take_up(solver: &mut Solver, restart: Restart, stages: &[Stage]) -> Result<(), RunError> {
     let place = restart.place;
     for stage in stages.iter().take(place.stage) {
-        solver.change_supports(&stage.ramps)?;
+        solver.change_supports(&stage.supports)?;
     }
     if let Some(stage) = stages.get(place.stage).filter(|_| place.fraction > 0.0) {
-        solver.change_supports(&stage.ramps)?;
+        solver.change_supports(&stage.supports)?;
     }
     if place.stage >= stages.len().max(1) || !(0.0..=1.0).contains(&place.fraction) || place.step_size.is_nan() {
         let reason = format!("stands in stage {} at {}, which is no place on this path", place.stage, place.fraction);

@@ -7,12 +7,12 @@ use crate::contact::broad_phase::BroadPhase;
 use crate::contact::law::Law;
 use crate::contact::screened::Repulsion;
 use crate::error::{InputError, SolveError};
-use crate::rod::Natural;
+use crate::rod::{Natural, RodNumber};
 use crate::scene::ContactLaw;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::engine::{Engine, Reference};
-use crate::solve::problem::state::{Numbers, State};
+use crate::solve::problem::state::{Numbers, PrescribedValue, State};
 
 impl Engine {
     /// Changes the contact law, for example to raise a penalty in steps; offsets are kept for the augmented Lagrangian
@@ -58,6 +58,18 @@ impl Engine {
         self.take_numbers()?;
         self.take_tangents();
         Ok(())
+    }
+
+    /// Gives prescribed quantities of the present state their values; nodes and frames stay. The model takes numbers of rods by
+    /// [`Engine::take_numbers`].
+    pub(crate) fn prescribe(&mut self, values: impl IntoIterator<Item = PrescribedValue>) {
+        self.state.prescribe(values);
+    }
+
+    /// Notes in the state the present value of a number that is about to change, unless it is there.
+    pub(in crate::solve) fn note_number(&mut self, rod: usize, which: RodNumber) {
+        let value = self.model.rods[rod].number(which);
+        self.state.numbers.entry((rod, which)).or_insert(value);
     }
 
     /// Makes the model that of the state's numbers.
@@ -201,7 +213,7 @@ impl Engine {
 mod tests {
     use super::*;
     use crate::math::Vec3;
-    use crate::rod::{Rod, RodMesh, RodNumber, Section, Shape};
+    use crate::rod::{Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
 
     /// Symptom: where a rod grew, candidates were counted from 0 again, and the matrix could keep the pattern of before.

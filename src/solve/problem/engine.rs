@@ -58,7 +58,7 @@ pub struct Engine {
     /// What joined nodes share. Unknowns of another node are not free, carry no mass, and their share of the gradient is the
     /// owner's.
     pub(crate) sharing: Sharing,
-    pub(crate) state: State,
+    pub(in crate::solve::problem) state: State,
     pub(crate) contact: Option<ContactSide>,
     /// The contact law as it was requested: by the mesh, its stiffness follows the numbers of the rods.
     pub(crate) law_asked: ContactLaw,
@@ -321,6 +321,12 @@ impl Engine {
     /// The present configuration.
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    /// The present configuration, to be put where no solver would.
+    #[cfg(test)]
+    pub(crate) fn state_mut(&mut self) -> &mut State {
+        &mut self.state
     }
 
     /// Scales, materials and masses of rods whose numbers have changed.

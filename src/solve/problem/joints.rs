@@ -1,9 +1,9 @@
 //! Joined nodes: the one place that says where they are.
 //!
 //! Joined nodes share unknowns of the first of them: their position, and of their rotation all (rigid joints), none (pins) or
-//! what is not about an axis (hinges). Every state in which nodes have moved is made by [`Engine::retract`] or taken by
-//! [`Engine::set_state`]. Both put the other nodes of a joint where the first one is, and turn their frames with it, so that no
-//! increment can part them.
+//! what is not about an axis (hinges). [`Engine::retract`] puts the other nodes of a joint where the first one is, and turns their
+//! frames with it, so that no increment can part them. States made otherwise come into force by [`Engine::take_state`], which does
+//! the same with nodes that they part, or by [`Engine::set_state`], which refuses these.
 //!
 //! The rotations of hinged nodes have three components in one basis (p, q, e), e the axis in space: those about p and q are
 //! shared, that about e is each node's own. A node b that follows a has R_b = R_a T exp(θ ē), so a motion by the rotation vectors
@@ -32,6 +32,20 @@ impl Engine {
         let mut next = state.moved(increment, t);
         self.sharing.follow(&mut next);
         next
+    }
+
+    /// Puts a state of the same nodes in force. Joined nodes that it parts are joined where the first of them is.
+    pub(crate) fn take_state(&mut self, state: State) {
+        drop(self.exchange_state(state));
+    }
+
+    /// [`Engine::take_state`], which returns the state of before.
+    pub(crate) fn exchange_state(&mut self, mut state: State) -> State {
+        debug_assert_eq!(state.positions.len(), self.num_nodes());
+        if self.parted(&state).is_some() {
+            self.sharing.follow(&mut state);
+        }
+        std::mem::replace(&mut self.state, state)
     }
 
     /// Gives joined nodes the increments that they share, at a state.
@@ -110,15 +124,20 @@ impl Engine {
         self.sharing.followers.iter().any(is_with)
     }
 
-    /// Refuses a state whose joined nodes are [`MAX_GAP`] × node spacing apart, or [`MAX_GAP`] rad from how they were joined.
-    pub(crate) fn check_joined(&self, state: &State) -> Result<(), InputError> {
-        let parted = |follower: &&Follower| {
+    /// The first joined node that a state puts [`MAX_GAP`] × node spacing from where it belongs, or turns [`MAX_GAP`] rad from
+    /// how it was joined.
+    fn parted(&self, state: &State) -> Option<&Follower> {
+        self.sharing.followers.iter().find(|follower| {
             let apart = state.chord(follower.master, follower.node).norm() / self.scales.lever;
             let turned = follower.turned_off(state);
             // not a number is parted, too
             !(apart <= MAX_GAP && turned <= MAX_GAP)
-        };
-        let Some(follower) = self.sharing.followers.iter().find(parted) else { return Ok(()) };
+        })
+    }
+
+    /// Refuses a state that parts joined nodes.
+    pub(crate) fn check_joined(&self, state: &State) -> Result<(), InputError> {
+        let Some(follower) = self.parted(state) else { return Ok(()) };
         let [a, b] = [follower.master, follower.node].map(|node| {
             let rod = self.rod_of(node);
             format!("node {} of rod \"{}\"", node - self.first_node[rod], self.model.rods[rod].name)
@@ -278,5 +297,22 @@ mod tests {
             );
         }
         assert_eq!(engine.state, whole);
+    }
+
+    /// A state put in force has its joined nodes where the first one is; one that parts none stays as it is to the last bit.
+    #[test]
+    fn states_in_force_are_joined() {
+        let mut engine = star([JointKind::Rigid, hinge()]);
+        let wild: Vec<f64> = (0..6 * engine.num_nodes()).map(|k| (1.7 * k as f64).sin()).collect();
+        let whole = engine.retract(&engine.state, &wild, 0.4);
+        engine.take_state(whole.clone());
+        assert_eq!(engine.state, whole);
+        let mut parted = whole.clone();
+        parted.positions[13].y += 1e-3;
+        parted.frames[26] = exp(&Vec3::new(0.1, 0.0, 0.0)) * parted.frames[26];
+        assert!(engine.check_joined(&parted).is_err());
+        assert_eq!(engine.exchange_state(parted), whole);
+        engine.check_joined(&engine.state).unwrap();
+        assert_eq!(engine.state.positions, whole.positions);
     }
 }

@@ -45,7 +45,7 @@ pub(in crate::solve) mod prescribed_motion;
 pub(in crate::solve) mod problem_size;
 pub(in crate::solve) mod reduction;
 pub(in crate::solve) mod sliding_constraint;
-pub(in crate::solve) mod state;
+pub(crate) mod state;
 pub(crate) mod swivel;
 mod twist_limit;
 pub(crate) mod zero_energy;

@@ -6,7 +6,7 @@ use crate::math::Vec3;
 use crate::scene::ObstacleNumber;
 use crate::solve::measures::NOTHING;
 use crate::solve::problem::engine::Engine;
-use crate::solve::problem::state::{Numbers, State};
+use crate::solve::problem::state::{Numbers, PrescribedValue, State};
 
 /// Prescribed changes for one load step: motions of supports are applied through the tangent of the first Newton steps,
 /// so that the rods take them up everywhere at once; turns of seams are spread evenly along the rod beforehand.
@@ -44,18 +44,14 @@ impl Target {
         self.turned.push((node, turns));
     }
 
-    /// Puts loads, pressures, obstacles and numbers of rods in force.
-    pub(crate) fn load(&self, state: &mut State) {
-        if let Some(factor) = self.load_factor {
-            state.load_factor = factor;
-        }
-        for &(rod, pressure) in &self.pressures {
-            state.pressures[rod] = pressure;
-        }
-        for &(obstacle, which, to) in &self.placements {
-            state.placements[obstacle].set(which, to);
-        }
-        state.numbers.extend(&self.numbers);
+    /// Loads, pressures, numbers of obstacles and rods.
+    pub(crate) fn values(&self) -> impl Iterator<Item = PrescribedValue> {
+        let load = self.load_factor.map(PrescribedValue::Load).into_iter();
+        let pressures = self.pressures.iter().map(|&(rod, to)| PrescribedValue::Pressure(rod, to));
+        let placements =
+            self.placements.iter().map(|&(which, number, to)| PrescribedValue::Obstacle(which, number, to));
+        let numbers = self.numbers.iter().map(|(&(rod, which), &to)| PrescribedValue::Number(rod, which, to));
+        load.chain(pressures).chain(placements).chain(numbers)
     }
 }
 

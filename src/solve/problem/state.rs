@@ -8,7 +8,7 @@ use crate::math::quaternion::{exp, spin};
 use crate::math::two_sum::two_sum;
 use crate::math::{Quat, Vec3};
 use crate::rod::RodNumber;
-use crate::scene::ObstaclePose;
+use crate::scene::{ObstacleNumber, ObstaclePose};
 
 /// Numbers of rods that have been ramped.
 pub type Numbers = BTreeMap<(usize, RodNumber), f64>;
@@ -30,31 +30,94 @@ pub(crate) mod as_list {
 }
 
 /// Positions and frames of all nodes (rod after rod), seams and load levels. Only the problem makes one from nothing; others
-/// make it from another state.
+/// make it from another state. [`Engine`](crate::solve::Engine) keeps joined nodes together in what it takes.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
     /// Node positions \[L\], rounded.
-    pub positions: Vec<Vec3>,
+    pub(in crate::solve::problem) positions: Vec<Vec3>,
     /// Rounding errors of the positions \[L\]: nodes are at `positions + remainders`. Far from the origin
     /// neighbours are known to each other by it.
     pub(in crate::solve::problem) remainders: Vec<Vec3>,
     /// Node frames.
-    pub frames: Vec<Quat>,
-    /// Per rod: angle by which the frame at s = L is turned about d3 against the frame at s = 0, rad (closed rods).
-    pub seams: Vec<f64>,
+    pub(in crate::solve::problem) frames: Vec<Quat>,
+    /// Per rod: angle of its seam, rad.
+    pub(in crate::solve::problem) seams: Vec<f64>,
     /// Factor on dead loads.
-    pub load_factor: f64,
+    pub(in crate::solve::problem) load_factor: f64,
     /// Per rod: pressure \[F/L\].
-    pub pressures: Vec<f64>,
+    pub(in crate::solve::problem) pressures: Vec<f64>,
     /// Per obstacle: where it is.
-    pub placements: Vec<ObstaclePose>,
+    pub(in crate::solve::problem) placements: Vec<ObstaclePose>,
     /// Numbers of rods that ramps have changed.
     #[cfg_attr(feature = "serde", serde(with = "as_list"))]
-    pub numbers: Numbers,
+    pub(in crate::solve::problem) numbers: Numbers,
+}
+
+/// A prescribed quantity of a state, with its value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum PrescribedValue {
+    /// Factor on dead loads.
+    Load(f64),
+    /// Pressure on a rod \[F/L\].
+    Pressure(usize, f64),
+    /// Angle of the seam of a closed rod, rad.
+    Seam(usize, f64),
+    /// A number of an obstacle.
+    Obstacle(usize, ObstacleNumber, f64),
+    /// A number of a rod.
+    Number(usize, RodNumber, f64),
 }
 
 impl State {
+    /// Node positions \[L\], rounded, rod after rod.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// Node frames, rod after rod.
+    pub fn frames(&self) -> &[Quat] {
+        &self.frames
+    }
+
+    /// Per rod: angle by which the frame at s = L is turned about d3 against the frame at s = 0, rad (closed rods).
+    pub fn seams(&self) -> &[f64] {
+        &self.seams
+    }
+
+    /// Factor on dead loads.
+    pub fn load_factor(&self) -> f64 {
+        self.load_factor
+    }
+
+    /// Per rod: pressure \[F/L\].
+    pub fn pressures(&self) -> &[f64] {
+        &self.pressures
+    }
+
+    /// Per obstacle: where it is.
+    pub fn placements(&self) -> &[ObstaclePose] {
+        &self.placements
+    }
+
+    /// Numbers of rods that ramps have changed.
+    pub fn numbers(&self) -> &Numbers {
+        &self.numbers
+    }
+
+    /// Gives prescribed quantities their values; nodes and frames stay.
+    pub(crate) fn prescribe(&mut self, values: impl IntoIterator<Item = PrescribedValue>) {
+        for value in values {
+            match value {
+                PrescribedValue::Load(factor) => self.load_factor = factor,
+                PrescribedValue::Pressure(rod, pressure) => self.pressures[rod] = pressure,
+                PrescribedValue::Seam(rod, angle) => self.seams[rod] = angle,
+                PrescribedValue::Obstacle(obstacle, which, to) => self.placements[obstacle].set(which, to),
+                PrescribedValue::Number(rod, which, to) => drop(self.numbers.insert((rod, which), to)),
+            }
+        }
+    }
+
     /// Moves every node by `t` times its six increments (displacement, rotation vector; multiplicative update
     /// q ← exp(tθ/2) q). Joined nodes are moved by their own: [`Engine::retract`](crate::solve::Engine) joins them.
     pub(in crate::solve::problem) fn moved(&self, increment: &[f64], t: f64) -> Self {
@@ -69,10 +132,17 @@ impl State {
         next
     }
 
-    /// This state with nodes at these places, which are exact; their number may be another.
-    pub(crate) fn with_nodes(&self, positions: Vec<Vec3>, frames: Vec<Quat>) -> Self {
+    /// This state with nodes at these places \[L\], which are exact; their number may be another. What supports hold and joints
+    /// join is for the caller to keep: the solver refuses a state with parted joints.
+    #[must_use]
+    pub fn with_nodes(&self, positions: Vec<Vec3>, frames: Vec<Quat>) -> Self {
         let remainders = vec![Vec3::zeros(); positions.len()];
         Self { positions, remainders, frames, ..self.clone() }
+    }
+
+    /// This state with nodes at these rounded places \[L\], remainders and frames as they are.
+    pub(crate) fn with_positions(self, positions: Vec<Vec3>) -> Self {
+        Self { positions, ..self }
     }
 
     /// This state on some of its nodes.
@@ -112,7 +182,7 @@ impl State {
     }
 
     /// Spins the frame of a node about its own d3 by an angle, rad.
-    pub(crate) fn spin_frame(&mut self, node: usize, angle: f64) {
+    pub(in crate::solve::problem) fn spin_frame(&mut self, node: usize, angle: f64) {
         let turned = self.frames[node] * spin(angle);
         self.frames[node] = Unit::new_normalize(turned.into_inner());
     }
@@ -120,5 +190,13 @@ impl State {
     /// Frame at s = L of a closed rod whose first node is `first`.
     pub(crate) fn seam_frame(&self, rod: usize, first: usize) -> Quat {
         self.frames[first] * spin(self.seams[rod])
+    }
+}
+
+#[cfg(test)]
+impl State {
+    /// Positions and frames, to be put where no solver would.
+    pub(crate) fn nodes_mut(&mut self) -> (&mut [Vec3], &mut [Quat]) {
+        (&mut self.positions, &mut self.frames)
     }
 }

@@ -26,10 +26,10 @@ impl Workspace {
         options: &SearchOptions,
     ) -> Result<NewtonReport, SolveError> {
         let leaving = options.leaving;
-        let Lifted { state: mut start, drive, .. } = lifted(engine, &engine.state, drive);
+        let Lifted { state: mut start, drive, .. } = lifted(engine, engine.state(), drive);
         engine.swivels.iter().for_each(|swivel| swivel.restore(&mut start));
         let drive = &drive;
-        engine.state = start.clone();
+        engine.take_state(start.clone());
         self.refresh(engine, &start)?;
         let near_contact = engine.contact.as_ref().is_some_and(|side| side.may_push());
         let mut spent = Vec::new();
@@ -41,7 +41,7 @@ impl Workspace {
             if let Some(report) = plain(self, engine, drive, &direct, &mut spent)? {
                 return Ok(report);
             }
-            engine.state = start.clone();
+            engine.take_state(start.clone());
             self.refresh(engine, &start)?;
         }
         if !stable_only || !(engine.contact.is_some() || leaving.is_some()) {
@@ -52,7 +52,7 @@ impl Workspace {
                 Err(_) if stable_only => {}
                 Err(error) => return Err(error),
             }
-            engine.state = start;
+            engine.take_state(start);
         }
         let mut report = self.trust_region_search(engine, drive, options)?;
         spent.append(&mut report.iterations);
@@ -69,7 +69,7 @@ impl Workspace {
         options: &SearchOptions,
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
-        let before = engine.state.clone();
+        let before = engine.state().clone();
         let side = engine.contact.take();
         let outcome = self.direct(engine, drive, options, true);
         engine.contact = side;

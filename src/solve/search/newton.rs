@@ -120,7 +120,7 @@ impl Workspace {
         let mut report = NewtonReport::default();
         let mut remaining = 1.0;
         let mut divergence = Divergence { cut_steps: 0, growing: 0, last: f64::INFINITY };
-        let mut state = engine.state.clone();
+        let mut state = engine.state().clone();
         let mut stress = engine.stress_with(&state, search.forces);
         for iteration in 0..options.max_iterations {
             if options.interrupt.is_raised() {
@@ -140,7 +140,7 @@ impl Workspace {
             report.iterations.push(Iteration { increment, fraction, ..Iteration::from(engine, &residual) });
             state = engine.retract(&state, &step, fraction);
             remaining *= 1.0 - fraction;
-            engine.state = state.clone();
+            engine.take_state(state.clone());
             if let Some(side) = &mut engine.contact {
                 // pressures of the law before are used in the first step under a new one only
                 side.before = None;

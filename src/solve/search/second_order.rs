@@ -196,7 +196,7 @@ mod tests {
     /// stiffness \[L²\].
     fn moved(across: bool, by: Vec3) -> [Vec3; 2] {
         let mut engine = pair(across);
-        let state = engine.state.clone();
+        let state = engine.state().clone();
         engine.update_contact(&state).unwrap();
         let pattern = engine.node_graph().natural();
         let residual =

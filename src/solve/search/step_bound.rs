@@ -121,10 +121,10 @@ fn rotation_fraction(engine: &Engine, state: &State, increment: &[f64], keep: Ke
                 t = t.min(keep.rotation / size);
             }
             let closing = element.closes && a == order;
-            let frame = if closing { state.seam_frame(element.rod, node) } else { state.frames[node] };
-            let turned = state.frames[before].angle_to(&frame);
+            let frame = if closing { state.seam_frame(element.rod, node) } else { state.frames()[node] };
+            let turned = state.frames()[before].angle_to(&frame);
             if turned + size > keep.turned
-                && (frame * state.frames[before].inverse()).scaled_axis().dot(&relative) > 0.0
+                && (frame * state.frames()[before].inverse()).scaled_axis().dot(&relative) > 0.0
             {
                 t = t.min((keep.turned - turned).max(0.0) / size);
             }
@@ -222,7 +222,7 @@ mod tests {
         ];
         let supports = (0..2).map(|rod| Support::clamp(NodeRef { rod, node: 0 })).collect();
         let mut engine = Engine::new(Model { rods, supports, ..Model::default() }, None).unwrap();
-        let state = engine.state.clone();
+        let state = engine.state().clone();
         engine.update_contact(&state).unwrap();
         engine
     }
@@ -244,7 +244,7 @@ mod tests {
             for by in [1e-3, 0.02, 0.1, 3.0, 1e6] {
                 for turn in [0.0, 0.5] {
                     let mut engine = crossing(height);
-                    let state = engine.state.clone();
+                    let state = engine.state().clone();
                     let step = downward(&engine, by, turn);
                     let t = engine.step_fraction(&state, &step).unwrap();
                     assert!(t > 0.0 && t <= 1.0);
@@ -276,9 +276,9 @@ mod tests {
         }
         let mut engine = Engine::new(Model { rods, ..Model::default() }, None).unwrap();
         let tilted = exp(&(Vec3::x() * tilt));
-        engine.state.frames.iter_mut().for_each(|frame| *frame *= tilted);
+        engine.state_mut().nodes_mut().1.iter_mut().for_each(|frame| *frame *= tilted);
         engine.take_tangents();
-        let state = engine.state.clone();
+        let state = engine.state().clone();
         engine.update_contact(&state).unwrap();
         engine
     }
@@ -329,7 +329,7 @@ mod tests {
             let mut engine = knot(20, with_ring, tilt);
             for seed in 1..=3 {
                 for (by, turn) in [(0.003, 0.03), (0.03, 0.2), (0.3, 1.5)] {
-                    let state = engine.state.clone();
+                    let state = engine.state().clone();
                     engine.update_contact(&state).unwrap();
                     let step = waves(&engine, f64::from(seed), by, turn);
                     let t = engine.step_fraction(&state, &step).unwrap();
@@ -351,7 +351,7 @@ mod tests {
     fn motions_are_rates_of_control_points() {
         for tilt in [0.0, 0.6] {
             let engine = knot(8, true, tilt);
-            let (state, step) = (engine.state.clone(), waves(&engine, 1.0, 0.3, 0.7));
+            let (state, step) = (engine.state().clone(), waves(&engine, 1.0, 0.3, 0.7));
             let side = engine.contact.as_ref().unwrap();
             let h = 1e-6;
             for segment in 0..side.nodes.len() {
@@ -380,14 +380,15 @@ mod tests {
             }
             let supports = (0..rods.len()).map(|rod| Support::clamp(NodeRef { rod, node: 0 })).collect();
             let mut engine = Engine::new(Model { rods, supports, ..Model::default() }, None).unwrap();
-            let start = engine.state.clone();
+            let start = engine.state().clone();
+            let (positions, frames) = engine.state_mut().nodes_mut();
             for node in 0..28 {
                 let (s, turn) = (node as f64 / 27.0, angle * node as f64 / 27.0);
                 let radius = 1.0 / angle;
-                engine.state.positions[node] = Vec3::new(turn.sin(), 1.0 - turn.cos(), 0.0) * radius;
+                positions[node] = Vec3::new(turn.sin(), 1.0 - turn.cos(), 0.0) * radius;
                 // spun by some turns about its own axis on top
-                let frame = exp(&(Vec3::z() * turn)) * engine.state.frames[node];
-                engine.state.frames[node] = frame * spin(20.0 * s);
+                let frame = exp(&(Vec3::z() * turn)) * frames[node];
+                frames[node] = frame * spin(20.0 * s);
             }
             assert_eq!(engine.is_path_free(&start).unwrap(), free, "bar {bar}, {angle} rad");
         }
@@ -397,9 +398,9 @@ mod tests {
     #[test]
     fn frames_do_not_turn_past_half_a_turn() {
         let mut engine = crossing(40.0);
-        let mut state = engine.state.clone();
-        state.frames[1] = state.frames[0] * spin(0.4 * TAU);
-        let tangent = state.frames[0] * Vec3::z();
+        let mut state = engine.state().clone();
+        state.nodes_mut().1[1] = state.frames()[0] * spin(0.4 * TAU);
+        let tangent = state.frames()[0] * Vec3::z();
         for (angle, expected) in [(0.9, 0.05 * TAU / 0.9), (0.3, 1.0), (-0.9, 1.0)] {
             let mut step = vec![0.0; 6 * engine.num_nodes()];
             // all other nodes on the rod turn along
@@ -415,11 +416,11 @@ mod tests {
     #[test]
     fn far_or_common_motion_is_not_cut() {
         let mut engine = crossing(40.0);
-        let state = engine.state.clone();
+        let state = engine.state().clone();
         let step = downward(&engine, 0.1, 0.0);
         assert_eq!(engine.step_fraction(&state, &step).unwrap(), 1.0);
         let mut engine = crossing(2.0);
-        let state = engine.state.clone();
+        let state = engine.state().clone();
         let mut step = vec![0.0; 6 * engine.num_nodes()];
         step.chunks_mut(6).for_each(|node| node[0] = 0.1);
         assert_eq!(engine.step_fraction(&state, &step).unwrap(), 1.0);
@@ -440,7 +441,7 @@ mod tests {
             let obstacles = vec![Obstacle::plane("floor", point, Vec3::z())];
             let mut engine =
                 Engine::new(Model { rods: vec![rod.clone()], obstacles, ..Model::default() }, None).unwrap();
-            let state = engine.state.clone();
+            let state = engine.state().clone();
             for (by, turn) in [(1e-3, 0.0), (0.05, 0.02), (10.0, 0.0), (1e6, 0.0), (0.05, 0.9)] {
                 engine.update_contact(&state).unwrap();
                 let mut step = waves(&engine, 1.3, 0.1 * by, turn);
@@ -487,7 +488,7 @@ mod tests {
                     if side > 0.0 { obstacles } else { vec![Obstacle { radius: level, ..obstacles[0].clone() }] };
                 let model = Model { rods: vec![rod.clone()], obstacles, ..Model::default() };
                 let mut engine = Engine::new(model, None).unwrap();
-                let state = engine.state.clone();
+                let state = engine.state().clone();
                 for (by, turn) in [(1e-3, 0.0), (0.05, 0.02), (10.0, 0.0), (1e6, 0.0), (0.05, 0.9)] {
                     engine.update_contact(&state).unwrap();
                     let mut step = waves(&engine, 1.3, 0.1 * by, turn);
@@ -537,7 +538,7 @@ mod tests {
         for obstacle in [thick(0.5 * size, None), thick(0.1 * size, Some(0.8)), thick(0.9 * size, Some(0.4))] {
             let model = Model { rods: rods.clone(), obstacles: vec![obstacle], ..Model::default() };
             let mut engine = Engine::new(model, None).unwrap();
-            let state = engine.state.clone();
+            let state = engine.state().clone();
             for (by, turn, spin, ring) in [
                 (0.5, 0.0, 0.0, 0.0),
                 (0.0, 0.7, 0.0, 0.0),

@@ -77,7 +77,7 @@ enum Advance {
 impl Search {
     fn new(engine: &Engine, drive: &PrescribedMotion, options: &SearchOptions) -> Self {
         let newton = &options.newton;
-        let state = engine.state.clone();
+        let state = engine.state().clone();
         let stress = engine.stress_with(&state, options.forces);
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
         let progress = SearchProgress::new(newton.max_iterations);
@@ -296,17 +296,17 @@ impl Workspace {
         }
         search.report.work += work_of_moments(engine, &trial.increment);
         search.state = trial.state;
-        engine.state = search.state.clone();
+        engine.take_state(search.state.clone());
     }
 
     fn finish(&mut self, engine: &mut Engine, search: Search) -> Result<NewtonReport, SolveError> {
         let mut report = search.report;
         report.obstacle = report.obstacle.filter(|_| !report.converged);
-        engine.state = search.state;
+        engine.take_state(search.state);
         if let Some(side) = &mut engine.contact {
             side.before = None;
         }
-        let state = engine.state.clone();
+        let state = engine.state().clone();
         self.refresh(engine, &state)?;
         report.num_unstable = self.count_unstable(engine)?;
         Ok(report)

@@ -200,7 +200,7 @@ impl Workspace {
 
     /// Linearises at the engine's state with its actual stresses and counts negative eigenvalues.
     pub(crate) fn count_unstable(&mut self, engine: &mut Engine) -> Result<usize, SolveError> {
-        let state = engine.state.clone();
+        let state = engine.state().clone();
         self.refresh(engine, &state)?;
         let stress = engine.actual_stress(&state);
         self.linearise(engine, &state, &stress, &PrescribedMotion::default());

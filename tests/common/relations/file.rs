@@ -8,7 +8,9 @@ use supercoil::InputError;
 use supercoil::io::csv::{RodState, write_state};
 use supercoil::math::Vec3;
 use supercoil::rod::{Along, Averaged, Natural, Rod, RodNumber};
-use supercoil::scene::{ContactLaw, JointKind, NodeRef, ObstacleNumber, Ramp, Scene, Skeleton, Support, Units};
+use supercoil::scene::{
+    ContactLaw, JointKind, NodeRef, ObstacleNumber, Ramp, Scene, Skeleton, Stage, Support, SupportChange, Units,
+};
 
 use super::motion::Problem;
 
@@ -139,7 +141,7 @@ fn text(problem: &Problem, path: &Path, tables: &mut Vec<(String, String)>) -> S
     }
     for stage in &problem.stages {
         let _ = writeln!(out, "\n[[stages]]\nsteps = {}", stage.steps);
-        out.push_str(&ramps(problem, &stage.ramps, &name, &at));
+        out.push_str(&ramps(problem, stage, &name, &at));
     }
     out
 }
@@ -206,14 +208,14 @@ fn rod_text(rod: &Rod, stem: &str, index: usize, tables: &mut Vec<(String, Strin
     out
 }
 
-fn ramps(problem: &Problem, ramps: &[Ramp], name: &dyn Fn(usize) -> String, at: &dyn Fn(NodeRef) -> String) -> String {
+fn ramps(problem: &Problem, stage: &Stage, name: &dyn Fn(usize) -> String, at: &dyn Fn(NodeRef) -> String) -> String {
+    let ramps = &stage.ramps;
     let mut lists: Vec<(&str, Vec<String>)> = Vec::new();
     let mut single = Vec::new();
     let mut add = |key: &'static str, entry: String| match lists.iter_mut().find(|(known, _)| *known == key) {
         Some((_, entries)) => entries.push(entry),
         None => lists.push((key, vec![entry])),
     };
-    let (mut hold, mut release) = (Vec::new(), Vec::new());
     for ramp in ramps {
         match ramp {
             Ramp::ExcessLink { rod, to } => add("excess_link", format!("{}, to = {to:?}", name(*rod))),
@@ -242,8 +244,6 @@ fn ramps(problem: &Problem, ramps: &[Ramp], name: &dyn Fn(usize) -> String, at: 
                 }
             }
             Ramp::Pressure { rod, to } => add("pressure", format!("{}, to = {to:?}", name(*rod))),
-            Ramp::Hold(support) => hold.push(format!("{{ {} }}", held(support, name).join(", "))),
-            Ramp::Release(support) => release.push(format!("{{ {} }}", held(support, name).join(", "))),
             Ramp::Number { rod, which: RodNumber::Length, to } => add("length", format!("{}, to = {to:?}", name(*rod))),
             Ramp::Number { .. } => {}
         }
@@ -283,6 +283,11 @@ fn ramps(problem: &Problem, ramps: &[Ramp], name: &dyn Fn(usize) -> String, at: 
     };
     single.extend(lists.into_iter().map(of_list));
     let mut out = format!("ramp = {{ {} }}\n", single.join(", "));
+    let (mut hold, mut release) = (Vec::new(), Vec::new());
+    for change in &stage.supports {
+        let entries = if matches!(change, SupportChange::Hold(_)) { &mut hold } else { &mut release };
+        entries.push(format!("{{ {} }}", held(change.support(), name).join(", ")));
+    }
     for (key, entries) in [("hold", hold), ("release", release)] {
         if !entries.is_empty() {
             let _ = writeln!(out, "{key} = [{}]", entries.join(", "));

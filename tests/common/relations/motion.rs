@@ -5,7 +5,7 @@ use supercoil::math::{Mat3, Quat, Vec3};
 use supercoil::rod::{Natural, NaturalStrains, Rod, RodMesh, RodNumber, Section, Shape};
 use supercoil::scene::{
     Joint, JointKind, LineLoad, Model, NodeLoad, NodeRef, Obstacle, ObstacleNumber, Pose, Ramp, Skeleton, Stage,
-    Support,
+    Support, SupportChange,
 };
 
 /// A model with its stages.
@@ -84,13 +84,22 @@ pub fn moved(problem: &Problem, matrix: Mat3, shift: Vec3) -> Variant {
             .collect(),
         ..model.clone()
     };
-    out.problem.stages = change_ramps(stages, |ramp| motion.ramp(ramp));
+    out.problem.stages = change_stages(stages, |ramp| motion.ramp(ramp), |support| motion.support(support));
     out
 }
 
-/// All ramps changed.
-fn change_ramps(stages: &[Stage], of: impl Fn(&Ramp) -> Ramp) -> Vec<Stage> {
-    stages.iter().map(|stage| Stage { ramps: stage.ramps.iter().map(&of).collect(), steps: stage.steps }).collect()
+/// All ramps changed, and all supports that stages set or take away.
+fn change_stages(stages: &[Stage], of: impl Fn(&Ramp) -> Ramp, at: impl Fn(&Support) -> Support) -> Vec<Stage> {
+    let change = |it: &SupportChange| match it {
+        SupportChange::Hold(support) => SupportChange::Hold(at(support)),
+        SupportChange::Release(support) => SupportChange::Release(at(support)),
+    };
+    let changed = |stage: &Stage| Stage {
+        supports: stage.supports.iter().map(change).collect(),
+        ramps: stage.ramps.iter().map(&of).collect(),
+        steps: stage.steps,
+    };
+    stages.iter().map(changed).collect()
 }
 
 struct Motion {
@@ -176,8 +185,6 @@ impl Motion {
             Ramp::Number { rod, which: which @ (RodNumber::Curvature2 | RodNumber::Twist), to } => {
                 Ramp::Number { rod: *rod, which: *which, to: hand * to }
             }
-            Ramp::Hold(support) => Ramp::Hold(self.support(support)),
-            Ramp::Release(support) => Ramp::Release(self.support(support)),
             other => other.clone(),
         }
     }
@@ -212,8 +219,6 @@ fn renumbered(problem: &Problem, rods: Vec<Rod>, nodes: Vec<Vec<NodeRef>>) -> Va
         }
         Ramp::Displacement { node: it, to } => Ramp::Displacement { node: node(it), to },
         Ramp::Pose { node: it, pose } => Ramp::Pose { node: node(it), pose },
-        Ramp::Hold(it) => Ramp::Hold(support(&it)),
-        Ramp::Release(it) => Ramp::Release(support(&it)),
         other => other,
     };
     let mut out = Variant::same(problem);
@@ -225,7 +230,7 @@ fn renumbered(problem: &Problem, rods: Vec<Rod>, nodes: Vec<Vec<NodeRef>>) -> Va
         line_loads: model.line_loads.iter().rev().map(|it| LineLoad { rod: rod(it.rod), ..*it }).collect(),
         ..model.clone()
     };
-    out.problem.stages = change_ramps(stages, ramp);
+    out.problem.stages = change_stages(stages, ramp, support);
     out.nodes = nodes;
     out
 }
@@ -408,7 +413,7 @@ pub fn in_units(problem: &Problem, factor: f64) -> Variant {
         }),
         ..model.clone()
     };
-    out.problem.stages = change_ramps(stages, ramp);
+    out.problem.stages = change_stages(stages, ramp, |support| *support);
     out
 }
 

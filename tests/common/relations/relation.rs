@@ -306,11 +306,10 @@ impl Judge<'_> {
     /// The last stage and back again. A stage that changes supports has no way back.
     fn back(&mut self) {
         let mut problem = self.problem.clone();
-        let Some(last) = problem.stages.last() else { return };
+        let Some(last) = problem.stages.last().filter(|last| last.supports.is_empty()) else { return };
         let before = &problem.stages[..problem.stages.len() - 1];
-        let ramps: Option<Vec<Ramp>> = last.ramps.iter().map(|ramp| undone(ramp, &problem.model, before)).collect();
-        let Some(ramps) = ramps else { return };
-        problem.stages.push(Stage { ramps, steps: 1 });
+        let ramps: Vec<Ramp> = last.ramps.iter().map(|ramp| undone(ramp, &problem.model, before)).collect();
+        problem.stages.push(Stage::new(ramps, 1));
         let run = play(&problem);
         if !run.converged {
             return self.failed(Relation::Back, run.ending);
@@ -420,11 +419,8 @@ fn every_other(model: &Model) -> Vec<Vec<supercoil::scene::NodeRef>> {
 fn turns_freely(problem: &Problem) -> bool {
     let whole = |held: [bool; 3]| held == [true; 3] || held == [false; 3];
     let all = |support: &Support| whole(support.position) && whole(support.rotation);
-    let changed = problem.stages.iter().flat_map(|stage| &stage.ramps).all(|ramp| match ramp {
-        Ramp::Hold(support) | Ramp::Release(support) => all(support),
-        _ => true,
-    });
-    changed && problem.model.supports.iter().all(all)
+    let mut changes = problem.stages.iter().flat_map(|stage| &stage.supports);
+    changes.all(|change| all(change.support())) && problem.model.supports.iter().all(all)
 }
 
 /// A turn at random, in the plane of planar scenes; none where supports hold single axes.
@@ -468,15 +464,15 @@ fn in_steps(problem: &Problem, steps: usize) -> Variant {
     out
 }
 
-/// The ramp back to the value that the quantity had after the stages `before`; `None` for changes of supports.
-fn undone(ramp: &Ramp, model: &Model, before: &[Stage]) -> Option<Ramp> {
+/// The ramp back to the value that the quantity had after the stages `before`.
+fn undone(ramp: &Ramp, model: &Model, before: &[Stage]) -> Ramp {
     let same = |other: &&Ramp| match (ramp, other) {
         (Ramp::Load { .. }, Ramp::Load { .. }) => true,
         (Ramp::Displacement { node: a, .. }, Ramp::Displacement { node: b, .. }) => a == b,
         _ => false,
     };
     if let Some(earlier) = before.iter().rev().flat_map(|stage| &stage.ramps).find(same) {
-        return Some(earlier.clone());
+        return earlier.clone();
     }
     let mut back = ramp.clone();
     match &mut back {
@@ -490,7 +486,6 @@ fn undone(ramp: &Ramp, model: &Model, before: &[Stage]) -> Option<Ramp> {
             (pose.position, pose.frame) = (Some(rod.positions[node.node]), Some(rod.frames[node.node]));
         }
         Ramp::Number { rod, which, to } => *to = model.rods[*rod].number(*which),
-        Ramp::Hold(_) | Ramp::Release(_) => return None,
     }
-    Some(back)
+    back
 }

@@ -41,8 +41,8 @@ struct Pull {
 /// Part of the work that is not in the energy, or of an energy `least` where work is less; `None` where the first stage already does work in another way, or a step
 /// jumps.
 pub fn missing(problem: &Problem, least: f64) -> Option<f64> {
-    let stages: Vec<Stage> =
-        problem.stages.iter().take_while(|stage| stage.ramps.iter().all(is_followed)).cloned().collect();
+    let is_whole = |stage: &&Stage| stage.supports.is_empty() && stage.ramps.iter().all(is_followed);
+    let stages: Vec<Stage> = problem.stages.iter().take_while(is_whole).cloned().collect();
     let [coarse, fine] = [STEPS, 2 * STEPS].map(|steps| balance(problem, &stages, steps));
     let ((coarse, _), (fine, size)) = (coarse?, fine?);
     Some((4.0 * fine - coarse).abs() / (3.0 * size.max(least)))

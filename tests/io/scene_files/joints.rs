@@ -5,7 +5,7 @@ use super::*;
 /// Where the last node of the last rod comes to rest at the end of the first stage.
 fn tip(scene: Scene) -> Vec3 {
     let mut solver = Solver::new(scene.model, Options::default()).unwrap();
-    let report = solver.step_to(&scene.stages[0].ramps).unwrap();
+    let report = solver.step_through(&scene.stages[0]).unwrap();
     assert_eq!(report.status, Status::Converged);
     let engine = solver.engine();
     engine.positions(engine.model().rods.len() - 1).last().copied().unwrap()

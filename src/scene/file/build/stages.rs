@@ -5,7 +5,7 @@ use crate::rod::{Rod, RodNumber};
 use crate::scene::file::syntax::choices::FollowChoice;
 use crate::scene::file::syntax::values::GripText;
 use crate::scene::file::syntax::{RampText, StageText, SupportText};
-use crate::scene::{Model, Obstacle, ObstacleNumber, Ramp, Stage};
+use crate::scene::{Model, Obstacle, ObstacleNumber, Ramp, Stage, SupportChange};
 
 use super::by_base_pairs::NEEDS_DNA;
 use super::places::{find_rod, nodes};
@@ -18,21 +18,21 @@ pub(in crate::scene::file) fn stages(
     relaxed_links: &[Option<f64>],
 ) -> Result<Vec<Stage>, InputError> {
     let stage = |(i, stage): (usize, &StageText)| {
-        let mut all = Vec::new();
+        let mut changes = Vec::new();
         for (k, gone) in stage.release.iter().enumerate() {
             let field = format!("stages[{i}].release[{k}]");
             check_no_grip(&field, gone)?;
             let supports = supports(&field, gone, &model.rods)?;
-            all.extend(supports.into_iter().map(Ramp::Release));
+            changes.extend(supports.into_iter().map(SupportChange::Release));
         }
         for (k, held) in stage.hold.iter().enumerate() {
             let field = format!("stages[{i}].hold[{k}]");
             check_no_grip(&field, held)?;
             let supports = supports(&field, held, &model.rods)?;
-            all.extend(supports.into_iter().map(Ramp::Hold));
+            changes.extend(supports.into_iter().map(SupportChange::Hold));
         }
-        all.extend(ramps(&format!("stages[{i}].ramp"), &stage.ramp, model, relaxed_links)?);
-        Ok(Stage { ramps: all, steps: stage.steps })
+        let ramps = ramps(&format!("stages[{i}].ramp"), &stage.ramp, model, relaxed_links)?;
+        Ok(Stage { supports: changes, ramps, steps: stage.steps })
     };
     let stages = text.iter().enumerate().map(stage).collect::<Result<Vec<_>, _>>()?;
     model.check_stages(&stages)?;
@@ -71,7 +71,8 @@ pub(super) fn follow(text: &[StageText], model: &Model, stages: &[Stage]) -> Res
                 | Ramp::Pressure { .. }
         )
     };
-    if !matches!(stages[place].ramps.as_slice(), [only] if steady(only)) {
+    let Stage { supports, ramps, .. } = &stages[place];
+    if !supports.is_empty() || !matches!(ramps.as_slice(), [only] if steady(only)) {
         let reason =
             "follows one ramp: of excess_link, rotation (without through), displacement of a node, load or pressure";
         return Err(InputError::inconsistent(field, reason));

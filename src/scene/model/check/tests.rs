@@ -128,7 +128,7 @@ fn planar_means_planar() {
 }
 
 fn stage(ramp: Ramp) -> Stage {
-    Stage { ramps: vec![ramp], steps: 3 }
+    Stage::new(vec![ramp], 3)
 }
 
 #[test]
@@ -144,12 +144,12 @@ fn ramps_are_checked() {
     assert!(refusal(turn(START, Vec3::x(), f64::NAN)).contains("turns = NaN"));
     assert!(model.check_stages(&[stage(turn(START, Vec3::x(), 3.0))]).is_ok());
     assert!(refusal(Ramp::Displacement { node: END, to: Vec3::x() }).contains("add one with position = true"));
-    let twice = Stage { ramps: vec![turn(START, Vec3::x(), 1.0), turn(START, Vec3::y(), 2.0)], steps: 1 };
+    let twice = Stage::new(vec![turn(START, Vec3::x(), 1.0), turn(START, Vec3::y(), 2.0)], 1);
     assert!(model.check_stages(&[twice]).unwrap_err().to_string().contains("ramped twice"));
-    let idle = Stage { ramps: vec![], steps: 0 };
+    let idle = Stage::new(vec![], 0);
     assert_eq!(model.check_stages(&[idle]).unwrap_err().to_string(), "stages[0].steps = 0: must be at least 1");
     // symptom: 10^18 steps went on for ever; mechanism: past a hundredth of the way a step no longer changed the fraction
-    let endless = Stage { ramps: vec![turn(START, Vec3::x(), 3.0)], steps: 1_000_000_001 };
+    let endless = Stage::new(vec![turn(START, Vec3::x(), 3.0)], 1_000_000_001);
     let text = model.check_stages(&[endless]).unwrap_err().to_string();
     assert_eq!(text, "stages[0].steps = 1000000001: must be at most 1000000000");
 }

@@ -42,7 +42,7 @@ impl Screw {
     /// Least squares over `count` elements of order `p` on either side of two nodes, one of each strand, which are
     /// opposite each other; `None` where that is no screw motion.
     pub(super) fn measure(state: &State, p: usize, [at, opposite]: [usize; 2], count: usize) -> Option<Self> {
-        let nodes = state.positions.len();
+        let nodes = state.positions().len();
         let around = |node: usize| node.checked_sub(count * p).map(|first| first..node + count * p);
         let (here, there) = (around(at)?, around(opposite)?);
         if here.end + p > there.start || there.end + p >= nodes {
@@ -51,7 +51,7 @@ impl Screw {
         // from, to: forward along the first strand, backward along the second
         let pairs: Vec<[usize; 2]> =
             here.clone().map(|i| [i, i + p]).chain(there.clone().map(|i| [i + p, i])).collect();
-        let of = |k: usize| pairs.iter().map(move |pair| state.positions[pair[k]]);
+        let of = |k: usize| pairs.iter().map(move |pair| state.positions()[pair[k]]);
         let [from, to] = [0, 1].map(|k| of(k).sum::<Vec3>() / pairs.len() as f64);
         let spread: Mat3 = of(0).zip(of(1)).map(|(a, b)| (b - to) * (a - from).transpose()).sum();
         let rotation = rotation_of(&spread)?;
@@ -61,7 +61,7 @@ impl Screw {
         let across = shift - axis.into_inner() * rise;
         let point = (across + axis.cross(&across) / (0.5 * angle).tan()) * 0.5;
         let mean = |range: std::ops::Range<usize>, turn: Quat| {
-            let spun = |i: usize| turn_about_d3((turn * state.frames[i]).inverse() * state.frames[i + p]);
+            let spun = |i: usize| turn_about_d3((turn * state.frames()[i]).inverse() * state.frames()[i + p]);
             let first = spun(range.start);
             let beyond = |i: usize| wrapped(spun(i) - first);
             first + range.clone().map(beyond).sum::<f64>() / range.len() as f64
@@ -73,7 +73,7 @@ impl Screw {
     /// Largest distance \[L\] by which the motion misses the nodes that it was measured on.
     pub(super) fn misfit(&self, state: &State, p: usize, [at, opposite]: [usize; 2], count: usize) -> f64 {
         let (motion, _) = self.power(1.0);
-        let missed = |[from, to]: [usize; 2]| (motion(&state.positions[from]) - state.positions[to]).norm();
+        let missed = |[from, to]: [usize; 2]| (motion(&state.positions()[from]) - state.positions()[to]).norm();
         let around = |node: usize| node - count * p..node + count * p;
         let pairs = around(at).map(|i| [i, i + p]).chain(around(opposite).map(|i| [i + p, i]));
         pairs.map(missed).fold(0.0, f64::max)

@@ -74,17 +74,17 @@ struct Tail {
 
 /// The state of the same rod with plectoneme and tails as long as the turn of an end takes ([`turned_end`]).
 pub(super) fn grown(engine: &mut Engine, to: &State) -> Option<Guess> {
-    engine.update_contact(&engine.state.clone()).ok()?;
-    longer(engine, to, twist(to) - twist(&engine.state))
+    engine.update_contact(&engine.state().clone()).ok()?;
+    longer(engine, to, twist(to) - twist(engine.state()))
 }
 
 /// The state of a rod of the same kind, longer or not, whose ends are where those of `to` are, and turned against each
 /// other by an angle, rad, more than this one's.
 pub(super) fn longer(short: &Engine, to: &State, angle: f64) -> Option<Guess> {
     let plectoneme = OpenPlectoneme::find(short)?;
-    let extra = to.positions.len() - short.num_nodes();
+    let extra = to.positions().len() - short.num_nodes();
     let exchange = Exchange::new(&plectoneme, short, angle, extra)?;
-    composed(short, &plectoneme, &exchange, to).filter(|made| has_turned(&made.state, &short.state, angle))
+    composed(short, &plectoneme, &exchange, to).filter(|made| has_turned(&made.state, short.state(), angle))
 }
 
 /// Whether the link of the ends differs by this angle, rad, from that of another state: a strand that passed through
@@ -95,24 +95,23 @@ fn has_turned(state: &State, from: &State, angle: f64) -> bool {
 
 /// The state of a rod whose ends are where those of `to` are.
 fn composed(engine: &Engine, plectoneme: &OpenPlectoneme, exchange: &Exchange, to: &State) -> Option<Guess> {
-    let last = to.positions.len() - 1;
+    let last = to.positions().len() - 1;
     let origins: Vec<NodeOrigin> = (0..=last).map(|n| plectoneme.origin(exchange, n as f64, last as f64)).collect();
-    let (positions, frames) = plectoneme.helix.composed(&origins, |node| placed(engine, node));
-    let mut new = to.with_nodes(positions, frames);
+    let (mut positions, mut frames) = plectoneme.helix.composed(&origins, |node| placed(engine, node));
     // from where the first node was to where supports hold the rod
     let held = if is_held(engine, 0) { 0 } else { last };
-    let back = to.positions[held] - new.positions[held];
-    new.positions.iter_mut().for_each(|x| *x += back);
-    let spun = turn_about_d3(new.frames[0].inverse() * to.frames[0]);
-    new.frames.iter_mut().for_each(|frame| *frame *= spin(spun));
+    let back = to.positions()[held] - positions[held];
+    positions.iter_mut().for_each(|x| *x += back);
+    let spun = turn_about_d3(frames[0].inverse() * to.frames()[0]);
+    frames.iter_mut().for_each(|frame| *frame *= spin(spun));
     for end in [0, last] {
-        new.frames[end] = to.frames[end];
+        frames[end] = to.frames()[end];
     }
     let side = engine.contact.as_ref()?;
     let offsets = side.offsets.moved(origins.iter().map(nearest));
     let forces = moved_forces(engine, plectoneme.helix.order, &origins);
     let contact = ContactOfGuess::Known(LawInForce { law: side.law, offsets, before: None });
-    Some(Guess { contact, forces, ..Guess::of(new) })
+    Some(Guess { contact, forces, ..Guess::of(to.with_nodes(positions, frames)) })
 }
 
 /// The state with a drive lifted that turns an end of a uniform rod and does nothing else.
@@ -120,22 +119,22 @@ pub(super) fn turned_end(engine: &Engine, drive: &PrescribedMotion) -> Option<St
     if !matches!(&engine.model.rods[..], [rod] if is_uniform(engine, rod)) {
         return None;
     }
-    let Lifted { state, drive: left, spun } = lifted(engine, &engine.state, drive);
-    let last = state.positions.len() - 1;
+    let Lifted { state, drive: left, spun } = lifted(engine, engine.state(), drive);
+    let last = state.positions().len() - 1;
     let is_turned = matches!(spun[..], [(node, _)] if node == 0 || node == last);
     (is_turned && left.nodes.is_empty()).then_some(state)
 }
 
 /// Link of the ends, turns.
 pub(super) fn link(state: &State) -> f64 {
-    let d1: Vec<Vec3> = state.frames.iter().map(|frame| frame * Vec3::x()).collect();
-    let along = |node: usize| state.frames[node] * Vec3::z();
-    link_of_ends(&state.positions, &d1, along(0) + along(d1.len() - 1))
+    let d1: Vec<Vec3> = state.frames().iter().map(|frame| frame * Vec3::x()).collect();
+    let along = |node: usize| state.frames()[node] * Vec3::z();
+    link_of_ends(state.positions(), &d1, along(0) + along(d1.len() - 1))
 }
 
 /// Sum of the turns about d3 from node to node, rad.
 pub(super) fn twist(state: &State) -> f64 {
-    state.frames.windows(2).map(|pair| turn_about_d3(pair[0].inverse() * pair[1])).sum()
+    state.frames().windows(2).map(|pair| turn_about_d3(pair[0].inverse() * pair[1])).sum()
 }
 
 fn nearest(origin: &NodeOrigin) -> usize {
@@ -144,7 +143,7 @@ fn nearest(origin: &NodeOrigin) -> usize {
 
 /// Shear forces and tension of the elements that new ones come from, in frames that have spun.
 fn moved_forces(engine: &Engine, order: usize, origins: &[NodeOrigin]) -> Vec<[[f64; 3]; 3]> {
-    let stress = engine.actual_stress(&engine.state);
+    let stress = engine.actual_stress(engine.state());
     let of_element = |origin: &NodeOrigin| {
         let old = &stress[(nearest(origin) / order).min(stress.len() - 1)];
         let (sin, cos) = origin.spin.sin_cos();
@@ -158,7 +157,7 @@ fn moved_forces(engine: &Engine, order: usize, origins: &[NodeOrigin]) -> Vec<[[
 
 /// Position and frame at a node, which need not be whole.
 fn placed(engine: &Engine, node: f64) -> (Vec3, Quat) {
-    let State { positions, frames, .. } = &engine.state;
+    let (positions, frames) = (engine.state().positions(), engine.state().frames());
     let (first, part) = (node.floor() as usize, node.fract());
     if part == 0.0 {
         return (positions[first], frames[first]);
@@ -190,14 +189,14 @@ fn is_uniform(engine: &Engine, rod: &Rod) -> bool {
 /// Nodes of the longest double helix with those opposite, whose neighbours follow each other backwards. It depends on
 /// the state alone: all segments as near as this are candidates of contact.
 fn longest_double_helix(engine: &Engine, rod: &Rod) -> Option<Vec<[usize; 2]>> {
-    let (side, state) = (engine.contact.as_ref()?, &engine.state);
+    let (side, state) = (engine.contact.as_ref()?, engine.state());
     let near = (2.0 + NEAR) * side.min_radius;
-    let mut opposite: Vec<Option<(f64, [usize; 2])>> = vec![None; state.positions.len()];
+    let mut opposite: Vec<Option<(f64, [usize; 2])>> = vec![None; state.positions().len()];
     for pair in side.broad_phase.pairs() {
         let (first, second) = (pair[0].min(pair[1]) as usize, pair[0].max(pair[1]) as usize);
         let curve = side.cubic(state, second);
         for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
-            let distance = (curve.point(part) - state.positions[first]).norm();
+            let distance = (curve.point(part) - state.positions()[first]).norm();
             if distance < near && opposite[first].is_none_or(|(known, _)| distance < known) {
                 opposite[first] = Some((distance, [first, second + usize::from(part > 0.5)]));
             }
@@ -254,12 +253,12 @@ impl Exchange {
     /// What an end turned against the other by an angle takes, rad, on a rod of so many nodes more; `None` if there is
     /// not as much.
     fn new(plectoneme: &OpenPlectoneme, engine: &Engine, angle: f64, extra: usize) -> Option<Self> {
-        let state = &engine.state;
-        let last = state.positions.len() - 1;
+        let state = engine.state();
+        let last = state.positions().len() - 1;
         let OpenPlectoneme { ends, helix: DoubleHelix { order, middle, screw }, .. } = plectoneme;
         let (p, extra) = (*order as f64, extra as f64);
         let lengths = [ends[0], last - ends[1]];
-        let spun = |n: usize| turn_about_d3(state.frames[n].inverse() * state.frames[n + 1]);
+        let spun = |n: usize| turn_about_d3(state.frames()[n].inverse() * state.frames()[n + 1]);
         let outer = (0..lengths[0] / 2).chain(last - lengths[1] / 2..last);
         let twist = outer.clone().map(spun).sum::<f64>() / outer.count() as f64;
         let strand = (angle - extra * twist) / ((screw.spins[0] + screw.spins[1]) / p - 2.0 * twist);
@@ -289,9 +288,9 @@ impl OpenPlectoneme {
         if count == 0 {
             return None;
         }
-        let helix = DoubleHelix::measure(&engine.state, rod.order, middle, count)?;
+        let helix = DoubleHelix::measure(engine.state(), rod.order, middle, count)?;
         let same = MAX_MISFIT * 2.0 * engine.contact.as_ref()?.min_radius;
-        let fits = helix.screw.misfit(&engine.state, rod.order, middle, count) <= same;
+        let fits = helix.screw.misfit(engine.state(), rod.order, middle, count) <= same;
         fits.then_some(Self { ends: run[0], helix, spacing: rod.spacing() })
     }
 

@@ -61,11 +61,11 @@ impl Solver {
             if !is_new {
                 return Ok(None);
             }
-            let whole = self.engine.state.clone();
+            let whole = self.engine.state().clone();
             return Ok(self.periodic_extension(&whole, elsewhere));
         }
         let Some(wound) = self.wound_ring(drive) else { return Ok(None) };
-        let turned = lifted(&self.engine, &self.engine.state, drive).state;
+        let turned = lifted(&self.engine, self.engine.state(), drive).state;
         if !self.is_unstable(&turned).unwrap_or(false) {
             return Ok(None);
         }

@@ -23,7 +23,7 @@ use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::Status;
 use crate::solve::measures::{MAX_ROUNDS, ROUNDING};
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, twist};
-use crate::solve::problem::state::State;
+use crate::solve::problem::state::{PrescribedValue, State};
 use crate::solve::search::timing::Timings;
 
 /// Times that pressures are smoothed, because the second time corrects and the third confirms.
@@ -63,7 +63,7 @@ struct Cut {
 
 impl Cut {
     fn double_helix(&self, state: &State) -> Option<DoubleHelix> {
-        DoubleHelix::measure(state, self.order, [self.at, state.positions.len() - self.at], self.window)
+        DoubleHelix::measure(state, self.order, [self.at, state.positions().len() - self.at], self.window)
     }
 }
 
@@ -75,23 +75,23 @@ fn origins(helix: &DoubleHelix, nodes: usize, elements: isize) -> Vec<NodeOrigin
 
 /// A state of a closed rod with elements put into each strand (taken out, if negative).
 fn changed(state: &State, helix: &DoubleHelix, elements: isize) -> State {
-    let made = origins(helix, state.positions.len(), elements);
-    let place = |node: f64| (state.positions[node as usize], state.frames[node as usize]);
+    let made = origins(helix, state.positions().len(), elements);
+    let place = |node: f64| (state.positions()[node as usize], state.frames()[node as usize]);
     let (positions, frames) = helix.composed(&made, place);
     let mut out = state.with_nodes(positions, frames);
-    out.seams[0] += elements as f64 * (helix.screw.spins[0] + helix.screw.spins[1]);
+    let seam = state.seams()[0] + elements as f64 * (helix.screw.spins[0] + helix.screw.spins[1]);
+    out.prescribe([PrescribedValue::Seam(0, seam)]);
     out
 }
 
 pub(super) fn centre(state: &State) -> Vec3 {
-    state.positions.iter().sum::<Vec3>() / state.positions.len() as f64
+    state.positions().iter().sum::<Vec3>() / state.positions().len() as f64
 }
 
 /// A state moved so that its centre is there.
-fn moved(mut state: State, there: &Vec3) -> State {
-    let shift = there - centre(&state);
-    state.positions.iter_mut().for_each(|x| *x += shift);
-    state
+fn moved(state: &State, there: &Vec3) -> State {
+    let shift = there - centre(state);
+    state.with_nodes(state.positions().iter().map(|x| x + shift).collect(), state.frames().to_vec())
 }
 
 impl Solver {
@@ -115,18 +115,18 @@ impl Solver {
             short.smooth_pressures();
             iterations += short.comes_to_rest(&PrescribedMotion::default(), &Ahead::Present)?;
         }
-        let wanted = whole.seams[0] / TAU;
+        let wanted = whole.seams()[0] / TAU;
         // links of the long rod per link of the short one, a secant's slope from the second round on
         let mut slope = 1.0 + 2.0 * cut.elements as f64 / cut.left as f64;
         let mut before: Option<[f64; 2]> = None;
         for _ in 0..MAX_ROUNDS {
-            let state = &short.engine.state;
+            let state = short.engine.state();
             let helix = cut.double_helix(state)?;
-            let link = state.seams[0] / TAU;
+            let link = state.seams()[0] / TAU;
             let long = self.extended(rod, state, &cut, &helix)?;
-            let missing = wanted - long.seams[0] / TAU;
+            let missing = wanted - long.seams()[0] / TAU;
             if missing.abs() <= SAME_LINK {
-                let made = origins(&helix, state.positions.len(), cut.elements as isize);
+                let made = origins(&helix, state.positions().len(), cut.elements as isize);
                 return self.in_contact_as(&short, (whole, long), &made, iterations);
             }
             if let Some([link_before, missing_before]) = before {
@@ -142,10 +142,10 @@ impl Solver {
     /// The only rod, if it is a uniform ring that nothing but its own contact holds, and no offsets of contact are
     /// known.
     pub(super) fn free_uniform_ring(&self) -> Option<&Rod> {
-        let (model, state) = (&self.engine.model, &self.engine.state);
+        let (model, state) = (&self.engine.model, self.engine.state());
         let side = self.engine.contact.as_ref()?;
         let [rod] = &model.rods[..] else { return None };
-        let free = model.supports.is_empty() && state.pressures[0] == 0.0 && !model.planar;
+        let free = model.supports.is_empty() && state.pressures()[0] == 0.0 && !model.planar;
         let unloaded = model.loads.is_empty() && model.line_loads.is_empty() && model.obstacles.is_empty();
         let uniform =
             rod.closed && rod.stiffness.is_none() && rod.section.is_isotropic() && rod.natural == Natural::Straight;
@@ -173,7 +173,7 @@ impl Solver {
         let by = cut.elements as isize;
         let helix = cut.double_helix(whole)?;
         let start = changed(whole, &helix, -by);
-        let again = changed(&start, &DoubleHelix { middle: [cut.at, start.positions.len() - cut.at], ..helix }, by);
+        let again = changed(&start, &DoubleHelix { middle: [cut.at, start.positions().len() - cut.at], ..helix }, by);
         is_same(&again, whole, rod.spacing()).then(|| self.solver_of(&start, rod).ok())?
     }
 
@@ -181,7 +181,8 @@ impl Solver {
     fn extended(&self, rod: &Rod, short: &State, cut: &Cut, helix: &DoubleHelix) -> Option<State> {
         let mut long = changed(short, helix, cut.elements as isize);
         let whole = self.rod_of_state(&long, rod).ok()?.start_link();
-        long.seams[0] += TAU * (whole - long.seams[0] / TAU).round();
+        let seam = long.seams()[0] + TAU * (whole - long.seams()[0] / TAU).round();
+        long.prescribe([PrescribedValue::Seam(0, seam)]);
         Some(long)
     }
 
@@ -194,8 +195,8 @@ impl Solver {
         made: &[NodeOrigin],
         iterations: usize,
     ) -> Option<Lengthened> {
-        let mut long = moved(long, &centre(before));
-        let angle = before.seams[0] - long.seams[0];
+        let mut long = moved(&long, &centre(before));
+        let angle = before.seams()[0] - long.seams()[0];
         twist(&self.engine, &mut long, 0, angle);
         let side = short.engine.contact.as_ref()?;
         let offsets = side.offsets.moved(made.iter().map(|origin| origin.node as usize));
@@ -211,8 +212,8 @@ impl Solver {
 
     /// A rod of the same kind with the nodes of a state.
     fn rod_of_state(&self, state: &State, rod: &Rod) -> Result<Rod, InputError> {
-        let length = rod.length * state.positions.len() as f64 / rod.num_nodes() as f64;
-        let (positions, frames) = (state.positions.clone(), state.frames.clone());
+        let length = rod.length * state.positions().len() as f64 / rod.num_nodes() as f64;
+        let (positions, frames) = (state.positions().to_vec(), state.frames().to_vec());
         let nodes = Placement { length, positions, frames, closed: true };
         Rod::from_nodes(&rod.name, nodes, rod.section, rod.order, rod.natural.clone())
     }
@@ -232,7 +233,7 @@ impl Solver {
 fn is_same(a: &State, b: &State, spacing: f64) -> bool {
     let near = |(p, q): (&Vec3, &Vec3)| (p - q).norm() <= SAME_SHAPE * spacing;
     let aligned = |(p, q): (&Quat, &Quat)| p.angle_to(q) <= SAME_SHAPE;
-    a.positions.iter().zip(&b.positions).all(near) && a.frames.iter().zip(&b.frames).all(aligned)
+    a.positions().iter().zip(b.positions()).all(near) && a.frames().iter().zip(b.frames()).all(aligned)
 }
 
 #[cfg(test)]
@@ -255,24 +256,24 @@ mod tests {
     fn plectonemes_of_two_lengths_become_each_other() {
         for (angle, elements, other) in [(0.3, 200, 140), (-0.4, 151, 231), (0.25, 200, 260)] {
             let [from, to] = [elements, other].map(|n| plectoneme(n, angle));
-            let state = &from.engine.state;
+            let state = from.engine.state();
             let at = elements.min(other) / 4 * 3;
-            let helix = DoubleHelix::measure(state, 3, [at, state.positions.len() - at], 10).unwrap();
+            let helix = DoubleHelix::measure(state, 3, [at, state.positions().len() - at], 10).unwrap();
             let by = (other as isize - elements as isize) / 2;
             let mut made = changed(state, &helix, by);
-            let exact = &to.engine.state;
-            assert_eq!(made.positions.len(), exact.positions.len());
+            let exact = to.engine.state();
+            assert_eq!(made.positions().len(), exact.positions().len());
             // the same up to where they lie
             for (i, j) in [(0, 7), (at, at + 40), (3, 3 * other / 2), (30, 3 * other - 12)] {
-                let [ours, theirs] = [&made, exact].map(|s| (s.positions[i] - s.positions[j]).norm());
+                let [ours, theirs] = [&made, exact].map(|s| (s.positions()[i] - s.positions()[j]).norm());
                 assert!((ours - theirs).abs() < 1e-8, "{i} {j} {ours} {theirs}");
             }
             let rod = from.rod_of_state(&made, &from.engine.model.rods[0]).unwrap();
-            let turned = made.seams[0] / TAU - rod.start_link();
+            let turned = made.seams()[0] / TAU - rod.start_link();
             assert!((turned - turned.round()).abs() < 1e-7, "{turned}");
-            made.seams[0] = TAU * rod.start_link();
+            made.prescribe([PrescribedValue::Seam(0, TAU * rod.start_link())]);
             // frames without twist: the link is the writhe
-            assert!((made.seams[0] - exact.seams[0]).abs() < 1e-4, "{} {}", made.seams[0], exact.seams[0]);
+            assert!((made.seams()[0] - exact.seams()[0]).abs() < 1e-4, "{} {}", made.seams()[0], exact.seams()[0]);
         }
     }
 
@@ -280,8 +281,8 @@ mod tests {
     #[test]
     fn what_is_not_uniform_is_left_alone() {
         let mut solver = plectoneme(900, 0.3);
-        solver.engine.state.positions[3 * 250] += Vec3::new(0.0, 0.01, 0.0);
-        let bent = solver.engine.state.clone();
+        solver.engine.state_mut().nodes_mut().0[3 * 250] += Vec3::new(0.0, 0.01, 0.0);
+        let bent = solver.engine.state().clone();
         assert!(solver.periodic_extension(&bent, &mut 0).is_none());
     }
 
@@ -290,14 +291,14 @@ mod tests {
     /// energy fall.
     fn stiffness_of_sliding(solver: &mut Solver) -> f64 {
         let engine = &mut solver.engine;
-        let state = engine.state.clone();
-        let nodes = state.positions.len();
+        let state = engine.state().clone();
+        let nodes = state.positions().len();
         let screw = Screw::measure(&state, 3, [nodes / 12 * 3, nodes - nodes / 12 * 3], nodes / 24).unwrap();
         let along = |i: usize| {
             let back = 2 * i >= nodes;
             let way = screw.axis.into_inner() * if back { -1.0 } else { 1.0 };
-            let moved = way * screw.rise + way.cross(&(state.positions[i] - screw.point)) * screw.angle;
-            let turned = way * screw.angle + state.frames[i] * Vec3::z() * screw.spins[usize::from(back)];
+            let moved = way * screw.rise + way.cross(&(state.positions()[i] - screw.point)) * screw.angle;
+            let turned = way * screw.angle + state.frames()[i] * Vec3::z() * screw.spins[usize::from(back)];
             [moved, turned]
         };
         let v: Vec<f64> = (0..nodes).flat_map(along).flat_map(|part| [part.x, part.y, part.z]).collect();
@@ -331,7 +332,7 @@ mod tests {
         let [short, usual] = [&mut quick, &mut slow].map(|solver| solver.solve_step(&PrescribedMotion::default()));
         assert!(short.iterations_on_other_meshes > 0 && usual.iterations_on_other_meshes == 0);
         assert!(short.iterations <= 10 && usual.iterations > 3 * short.iterations, "{}", usual.iterations);
-        let energy = |solver: &Solver| solver.engine.residual(&solver.engine.state).potential.elastic.total();
+        let energy = |solver: &Solver| solver.engine.residual(solver.engine.state()).potential.elastic.total();
         for _ in 0..SMOOTHINGS {
             slow.smooth_pressures();
             let report = slow.resettle();
@@ -344,8 +345,8 @@ mod tests {
     #[test]
     fn rods_far_from_the_origin_come_to_rest() {
         let mut solver = dna(0.0);
-        let (far, before) = (Vec3::new(4e5, 0.0, 0.0), centre(&solver.engine.state));
-        solver.engine.state.positions.iter_mut().for_each(|x| *x += far);
+        let (far, before) = (Vec3::new(4e5, 0.0, 0.0), centre(solver.engine.state()));
+        solver.engine.state_mut().nodes_mut().0.iter_mut().for_each(|x| *x += far);
         let report = solver.solve_step(&PrescribedMotion::default());
         assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
         assert!(
@@ -354,7 +355,7 @@ mod tests {
             report.iterations_on_other_meshes,
             report.iterations
         );
-        assert!((centre(&solver.engine.state) - before - far).norm() < 1.0);
+        assert!((centre(solver.engine.state()) - before - far).norm() < 1.0);
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::solve::load_step::step_report::Status;
 use crate::solve::measures::{MAX_ROUNDS, NOTHING};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
-use crate::solve::problem::state::State;
+use crate::solve::problem::state::{PrescribedValue, State};
 
 /// Turn by which the short rod is turned farther, over its turn, until it snaps.
 const MORE_TURN: f64 = 0.1;
@@ -37,7 +37,7 @@ impl Solver {
         }
         let mut short = self.piece(nodes)?;
         let mut iterations = 0;
-        let mut turned = twist(&short.engine.state);
+        let mut turned = twist(short.engine.state());
         for round in 0..MAX_ROUNDS {
             let angle = if round == 0 { 0.0 } else { MORE_TURN * turned };
             let report = short.solve_step(&short.turn(angle));
@@ -57,15 +57,15 @@ impl Solver {
 
     /// Whether a state has unstable directions.
     pub(super) fn is_unstable(&mut self, state: &State) -> Option<bool> {
-        let before = std::mem::replace(&mut self.engine.state, state.clone());
+        let before = self.engine.exchange_state(state.clone());
         let unstable = self.workspace.count_unstable(&mut self.engine);
-        self.engine.state = before;
+        self.engine.take_state(before);
         Some(unstable.ok()? > 0)
     }
 
     /// The first `nodes` of the rod, held and loaded as the whole.
     fn piece(&self, nodes: usize) -> Option<Self> {
-        let (model, state) = (&self.engine.model, &self.engine.state);
+        let (model, state) = (&self.engine.model, self.engine.state());
         let [rod] = &model.rods[..] else { return None };
         let number = |node: NodeRef| NodeRef { node: if node.node == 0 { 0 } else { nodes - 1 }, ..node };
         let mut supports = model.supports.clone();
@@ -73,21 +73,21 @@ impl Solver {
         let mut loads = model.loads.clone();
         loads.iter_mut().for_each(|load| load.node = number(load.node));
         let length = rod.spacing() * (nodes - 1) as f64;
-        let (positions, frames) = (state.positions[..nodes].to_vec(), state.frames[..nodes].to_vec());
+        let (positions, frames) = (state.positions()[..nodes].to_vec(), state.frames()[..nodes].to_vec());
         let placement = Placement { length, positions, frames, closed: false };
         let short = Rod::from_nodes(&rod.name, placement, rod.section, rod.order, rod.natural.clone()).ok()?;
         let (contact, electrostatics) = (model.contact, model.electrostatics);
         let model = Model { rods: vec![short], supports, loads, contact, electrostatics, ..Model::default() };
         let mut short = Self::new(model, self.options.clone()).ok()?;
-        short.engine.state.load_factor = state.load_factor;
+        short.engine.prescribe([PrescribedValue::Load(state.load_factor())]);
         Some(short)
     }
 
     /// A drive that turns the last node about the rod by an angle, rad.
     fn turn(&self, angle: f64) -> PrescribedMotion {
-        let state = &self.engine.state;
-        let last = state.positions.len() - 1;
-        let about = state.frames[last] * Vec3::z() * angle;
+        let state = self.engine.state();
+        let last = state.positions().len() - 1;
+        let about = state.frames()[last] * Vec3::z() * angle;
         PrescribedMotion { nodes: vec![(last, Vec3::zeros(), about)], seams: Vec::new() }
     }
 }
@@ -95,7 +95,7 @@ impl Solver {
 /// Nodes of the short rod, if the rod is straight, under the same tension all along, and longer.
 fn short_length(engine: &Engine) -> Option<usize> {
     let (model, rod) = (&engine.model, &engine.model.rods[0]);
-    let x = &engine.state.positions;
+    let x = engine.state().positions();
     let last = x.len() - 1;
     let is_end = |node: usize| node == 0 || node == last;
     // what the ends carry is far from where a piece snaps
@@ -103,7 +103,7 @@ fn short_length(engine: &Engine) -> Option<usize> {
     let even = model.line_loads.is_empty() && at_ends && model.loads.iter().all(|l| is_end(l.node.node));
     let along: f64 = x.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
     let is_straight = (x[last] - x[0]).norm() >= (1.0 - NOTHING) * along;
-    let tension = engine.actual_stress(&engine.state)[rod.num_elements / 2][0][2];
+    let tension = engine.actual_stress(engine.state())[rod.num_elements / 2][0][2];
     if !(even && is_straight && tension > 0.0) {
         return None;
     }
@@ -163,7 +163,7 @@ mod tests {
         assert_eq!((report.status, report.num_unstable, report.start), (Status::Converged, 0, Some(Origin::ShortRod)));
         assert!(report.iterations_on_other_meshes > 0 && report.iterations < 100, "{}", report.iterations);
         let turned = 0.15 * 2.5 * solver.engine.model.rods[0].num_elements as f64 / TAU;
-        assert!((link(&solver.engine.state) - turned).abs() < 1e-4, "{} {turned}", link(&solver.engine.state));
+        assert!((link(solver.engine.state()) - turned).abs() < 1e-4, "{} {turned}", link(solver.engine.state()));
         [report.iterations as f64, energies(solver)[1]]
     }
 
@@ -191,15 +191,14 @@ mod tests {
             let mut model = solver.engine.model.clone();
             model.obstacles = vec![Obstacle::bead("bead", &model.rods, NodeRef { rod: 0, node }, 20.0)];
             let mut carrying = as_loaded(&solver, model);
-            carrying.engine.state.placements = carrying.engine.model.obstacles.iter().map(Obstacle::start).collect();
             assert_eq!(snaps(&mut carrying, &drive), at_end, "a bead at node {node}");
         }
-        solver.engine.state.positions[300].y += 1e-3;
+        solver.engine.state_mut().nodes_mut().0[300].y += 1e-3;
         assert!(!snaps(&mut solver, &drive), "bent");
         let (short, _) = about_to_snap(80, 1);
         assert_eq!(short_length(&short.engine), None, "short");
         let (mut slack, drive) = about_to_snap(240, 1);
-        slack.engine.state.load_factor = 0.0;
+        slack.engine.prescribe([PrescribedValue::Load(0.0)]);
         assert_eq!(slack.find_equilibrium().status, Status::Converged);
         assert!(!snaps(&mut slack, &drive), "without tension");
     }
@@ -207,7 +206,9 @@ mod tests {
     /// A solver of another model in the same state.
     fn as_loaded(solver: &Solver, model: Model) -> Solver {
         let mut other = Solver::new(model, solver.options.clone()).unwrap();
-        other.engine.state = solver.engine.state.clone();
+        let state = solver.engine.state();
+        other.engine.take_state(other.engine.state().with_nodes(state.positions().to_vec(), state.frames().to_vec()));
+        other.engine.prescribe([PrescribedValue::Load(state.load_factor())]);
         other
     }
 }

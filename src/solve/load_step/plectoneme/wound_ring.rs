@@ -13,7 +13,7 @@ use crate::solve::load_step::core_law::TURNS_AT_ONCE;
 use crate::solve::load_step::plectoneme::periodic_extension::centre;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
-use crate::solve::problem::state::State;
+use crate::solve::problem::state::{PrescribedValue, State};
 
 /// Total curvature below which a ring is no knot (Fáry 1949, Milnor 1950), rad.
 const UNKNOTTED: f64 = 2.0 * TAU;
@@ -26,21 +26,21 @@ impl Solver {
         if drive.parts(TURNS_AT_ONCE).len() < 2 {
             return None;
         }
-        let (rod, state) = (self.free_uniform_ring()?, &self.engine.state);
-        if total_curvature(&state.positions) >= UNKNOTTED {
+        let (rod, state) = (self.free_uniform_ring()?, self.engine.state());
+        if total_curvature(state.positions()) >= UNKNOTTED {
             return None;
         }
-        let seam = state.seams[0] + drive.seams[0];
+        let seam = state.seams()[0] + drive.seams[0];
         let (link, section) = (seam / TAU, rod.section);
         let distance = 2.0 * self.engine.contact.as_ref()?.min_radius;
         let [bending, _] = section.bending;
         let plectoneme = Plectoneme::of_link(rod.length, distance, bending, section.twisting, link).ok()?;
-        let direction = state.positions[state.positions.len() / 2] - state.positions[0];
+        let direction = state.positions()[state.positions().len() / 2] - state.positions()[0];
         let shape = Shape::Plectoneme(plectoneme.about(Axis::Straight { center: centre(state), direction }));
         let mesh = RodMesh::closed(rod.num_elements, rod.order);
         let wound = Rod::new(&rod.name, &shape, mesh, section, Natural::Straight).ok()?.with_excess_link(link).ok()?;
         let mut made = state.with_nodes(wound.positions, wound.frames);
-        made.seams = vec![seam];
+        made.prescribe([PrescribedValue::Seam(0, seam)]);
         Some(made)
     }
 }
@@ -83,17 +83,17 @@ mod tests {
         assert_eq!((long.status, long.num_unstable), (Status::Converged, 0));
         for by in [-6.0, 6.0] {
             let mut quick = ring();
-            let before = quick.engine.state.clone();
+            let before = quick.engine.state().clone();
             let report = quick.load_step_from(&[Origin::ClosedPlectoneme], &turns(by), &Ahead::Unknown);
             assert_eq!((report.status, report.start), (Status::Converged, Some(Origin::ClosedPlectoneme)));
             assert!(report.num_unstable == 0 && report.escapes > 0 && report.branch_ends && report.penetration <= 1e-8);
             assert!(3 * report.iterations < long.iterations, "{} {}", report.iterations, long.iterations);
             // the loops lie elsewhere on the mesh
             assert!(energy(&quick) < energy(&slow) * (1.0 + 1e-5), "{} {}", energy(&quick), energy(&slow));
-            let state = &quick.engine.state;
-            assert_eq!(state.seams[0], before.seams[0] + by * TAU);
+            let state = quick.engine.state();
+            assert_eq!(state.seams()[0], before.seams()[0] + by * TAU);
             assert!((centre(state) - centre(&before)).norm() < 0.05);
-            let along = |state: &State| (state.positions[0] - state.positions[3 * ELEMENTS / 2]).normalize();
+            let along = |state: &State| (state.positions()[0] - state.positions()[3 * ELEMENTS / 2]).normalize();
             let turned = along(state).angle(&along(&before));
             assert!(turned < 0.1, "{turned}");
         }

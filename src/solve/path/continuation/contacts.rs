@@ -37,7 +37,7 @@ impl LabelledContacts {
         if side.broad_phase.pairs().is_empty() {
             return Self::default();
         }
-        let terms = engine.residual(&engine.state).contact_pairs;
+        let terms = engine.residual(engine.state()).contact_pairs;
         // a foot is known no better where the distance hardly changes along it
         let (mut places, mut pairs, mut reach) = (Vec::new(), Vec::new(), REACH * side.min_radius);
         let augments = solver.augments();

@@ -141,7 +141,7 @@ impl Tracer<'_> {
         let state = self.moved(base, motion).state;
         let solver = &mut *self.solver;
         solver.engine.update_contact(&state)?;
-        solver.engine.state = state;
+        solver.engine.take_state(state);
         Ok(LabelledContacts::of(solver))
     }
 

@@ -144,7 +144,7 @@ impl Tracer<'_> {
     pub(super) fn bare(&self, value: f64) -> Point {
         let engine = &self.solver.engine;
         Point {
-            state: engine.state.clone(),
+            state: engine.state().clone(),
             offsets: engine.contact.as_ref().map_or_else(ContactField::default, |side| side.offsets.clone()),
             value,
             tangent: PathMotion { field: Vec::new(), parameter: 0.0 },
@@ -161,7 +161,7 @@ impl Tracer<'_> {
     /// Puts the solver into a point.
     pub(super) fn enter(&mut self, point: &Point) -> Result<(), SolveError> {
         let solver = &mut *self.solver;
-        solver.engine.state = point.state.clone();
+        solver.engine.take_state(point.state.clone());
         solver.engine.take_tangents();
         if let Some(side) = &mut solver.engine.contact {
             side.offsets.clone_from(&point.offsets);
@@ -219,7 +219,7 @@ impl Tracer<'_> {
                 self.solver.forget_pressures();
             }
             let solver = &mut *self.solver;
-            solver.engine.state = point.state.clone();
+            solver.engine.take_state(point.state.clone());
             solver.workspace.refresh(&mut solver.engine, &point.state)?;
             if iteration > 0 && fraction == 1.0 && size <= tol {
                 return Ok(true);
@@ -297,7 +297,7 @@ impl Tracer<'_> {
             _ => f64::INFINITY,
         };
         let still = PathMotion { field: vec![0.0; moved.field.len()], parameter: 0.0 };
-        let mut secant_steps = SecantSteps::default();
+        let mut secant_steps = SecantSteps::new(tol);
         let mut num_followed = 0;
         loop {
             if num_followed < MAX_TANGENT_ROUNDS && self.solver.engine.follow_tangents() {
@@ -307,7 +307,7 @@ impl Tracer<'_> {
                 }
                 continue;
             }
-            let outstanding = self.solver.outstanding(tol, &mut secant_steps);
+            let outstanding = self.solver.outstanding(&mut secant_steps);
             point.penetration = outstanding.penetration;
             point.complementarity = outstanding.complementarity.unwrap_or(point.complementarity);
             let Some(gaps) = outstanding.gaps else { break };

@@ -86,7 +86,7 @@ impl Tracer<'_> {
 
     /// Distance between two states that are nearly the same.
     fn apart(&self, x: &Point, y: &Point) -> f64 {
-        let nodes = x.state.positions.iter().zip(&y.state.positions).map(|(a, b)| b - a);
+        let nodes = x.state.positions().iter().zip(y.state.positions()).map(|(a, b)| b - a);
         let field = nodes.flat_map(|d| [d.x, d.y, d.z, 0.0, 0.0, 0.0]).collect();
         let motion = PathMotion { field, parameter: y.value - x.value };
         self.dot(&motion, &motion).sqrt()

@@ -12,7 +12,7 @@ use crate::solve::load_step::solver::Solver;
 use crate::solve::problem::assembly::symmetric;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
-use crate::solve::problem::state::State;
+use crate::solve::problem::state::{PrescribedValue, State};
 
 /// Quantity that the parameter changes, per unit of the parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ impl Parameter {
                 "paths of rods that may touch planes or other obstacles cannot be followed: go in steps (`step_to`, `run`)".to_owned();
             return Err(InputError::Inconsistent { field: "obstacles".to_owned(), reason });
         }
-        let state = &solver.engine.state;
+        let state = solver.engine.state();
         let index = |n: &crate::scene::NodeRef| solver.engine.first_node[n.rod] + n.node;
         if let Ramp::Rotation { node, .. } | Ramp::Displacement { node, .. } = ramp
             && solver.engine.model.joined_nodes(*node).len() > 1
@@ -54,11 +54,11 @@ impl Parameter {
             return Err(InputError::Inconsistent { field: "ramp".to_owned(), reason });
         }
         let (quantity, start, target) = match ramp {
-            Ramp::Load { to } => (PrescribedQuantity::Load, state.load_factor, *to),
-            Ramp::Pressure { rod, to } => (PrescribedQuantity::Pressure(*rod), state.pressures[*rod], *to),
+            Ramp::Load { to } => (PrescribedQuantity::Load, state.load_factor(), *to),
+            Ramp::Pressure { rod, to } => (PrescribedQuantity::Pressure(*rod), state.pressures()[*rod], *to),
             Ramp::ExcessLink { rod, to } => {
                 let natural = solver.engine.model.rods[*rod].natural_link();
-                (PrescribedQuantity::Link(*rod), state.seams[*rod] / TAU - natural, *to)
+                (PrescribedQuantity::Link(*rod), state.seams()[*rod] / TAU - natural, *to)
             }
             Ramp::Rotation { node, axis, to } => {
                 let turned = solver.moved.turned.get(&index(node)).copied().unwrap_or(0.0);
@@ -69,9 +69,8 @@ impl Parameter {
                     "leads round a circle, which cannot be followed: go in steps (`step_to`, `run`)".to_owned();
                 return Err(InputError::Inconsistent { field: "ramp.rotation".to_owned(), reason });
             }
-            Ramp::Number { .. } | Ramp::Obstacle { .. } | Ramp::Hold(_) | Ramp::Release(_) => {
-                let reason =
-                    "numbers of rods, obstacles and supports change in steps only (`step_to`, `run`)".to_owned();
+            Ramp::Number { .. } | Ramp::Obstacle { .. } => {
+                let reason = "numbers of rods and obstacles change in steps only (`step_to`, `run`)".to_owned();
                 return Err(InputError::Inconsistent { field: "ramp".to_owned(), reason });
             }
             Ramp::Pose { .. } => {
@@ -109,12 +108,13 @@ impl Parameter {
 
     /// Changes quantities other than unknowns and supports: load factor, pressure, seam.
     pub(super) fn advance(&self, state: &mut State, by: f64) {
-        match self.quantity {
-            PrescribedQuantity::Load => state.load_factor += by,
-            PrescribedQuantity::Pressure(rod) => state.pressures[rod] += by,
-            PrescribedQuantity::Link(rod) => state.seams[rod] += TAU * by,
-            PrescribedQuantity::Node(..) => {}
-        }
+        let value = match self.quantity {
+            PrescribedQuantity::Load => PrescribedValue::Load(state.load_factor() + by),
+            PrescribedQuantity::Pressure(rod) => PrescribedValue::Pressure(rod, state.pressures()[rod] + by),
+            PrescribedQuantity::Link(rod) => PrescribedValue::Seam(rod, state.seams()[rod] + TAU * by),
+            PrescribedQuantity::Node(..) => return,
+        };
+        state.prescribe([value]);
     }
 
     /// Reports to the solver how far its ramps have come.
@@ -159,12 +159,10 @@ fn closing_element(engine: &Engine, rod: usize) -> Option<usize> {
 /// Gradient of unit dead loads or of unit pressure.
 fn loads_alone(engine: &Engine, state: &State, factor: f64, pressed: Option<usize>) -> Vec<f64> {
     let mut unit = state.clone();
-    unit.load_factor = factor;
-    unit.pressures.fill(0.0);
-    if let Some(rod) = pressed {
-        unit.pressures[rod] = 1.0;
-    }
-    let mut out = engine.start_residual(&engine.state);
+    let pressure = |rod: usize| if pressed == Some(rod) { 1.0 } else { 0.0 };
+    unit.prescribe([PrescribedValue::Load(factor)]);
+    unit.prescribe((0..engine.model.rods.len()).map(|rod| PrescribedValue::Pressure(rod, pressure(rod))));
+    let mut out = engine.start_residual(engine.state());
     engine.add_loads(&unit, &mut out, None);
     out.gradient
 }

@@ -3,6 +3,7 @@ use crate::math::Vec3;
 use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
 use crate::scene::{Contact, LineLoad, Model, NodeLoad, NodeRef, Support};
 use crate::solve::Options;
+use crate::solve::problem::state::PrescribedValue;
 
 /// A bent, twisted cantilever with loads, its last node held.
 fn open_rod() -> Solver {
@@ -35,9 +36,9 @@ fn disturb(solver: &mut Solver) {
     let free: Vec<bool> = solver.engine.free.iter().flatten().copied().collect();
     let field: Vec<f64> =
         free.iter().enumerate().map(|(i, f)| if *f { 0.05 * (1.0 + 1.7 * i as f64).sin() } else { 0.0 }).collect();
-    let state = solver.engine.retract(&solver.engine.state, &field, 1.0);
-    solver.engine.state = state;
-    solver.engine.state.load_factor = 0.7;
+    let state = solver.engine.retract(solver.engine.state(), &field, 1.0);
+    solver.engine.take_state(state);
+    solver.engine.prescribe([PrescribedValue::Load(0.7)]);
 }
 
 /// ∂gradient/∂parameter of every kind of ramp against central differences.
@@ -53,9 +54,10 @@ fn rates_match_finite_differences() {
     ];
     for (mut solver, ramp) in cases {
         disturb(&mut solver);
-        solver.engine.state.seams[0] += if solver.engine.model.planar { 0.0 } else { 0.4 };
+        let seam = solver.engine.state().seams()[0] + if solver.engine.model.planar { 0.0 } else { 0.4 };
+        solver.engine.prescribe([PrescribedValue::Seam(0, seam)]);
         let parameter = Parameter::new(&solver, &ramp).unwrap();
-        let state = solver.engine.state.clone();
+        let state = solver.engine.state().clone();
         solver.workspace.refresh(&mut solver.engine, &state).unwrap();
         let stress = solver.engine.actual_stress(&state);
         solver.workspace.linearise(&solver.engine, &state, &stress, &parameter.drive());
@@ -87,7 +89,7 @@ fn predicted_stress_knows_of_the_seam() {
     let mut solver = ring(false);
     disturb(&mut solver);
     let parameter = Parameter::new(&solver, &Ramp::ExcessLink { rod: 0, to: 2.0 }).unwrap();
-    let state = solver.engine.state.clone();
+    let state = solver.engine.state().clone();
     let error = |h: f64| {
         let field: Vec<f64> = (0..6 * solver.engine.num_nodes()).map(|i| h * (0.3 * i as f64).cos()).collect();
         let predicted = parameter.predicted_stress(&solver.engine, &state, &field, h);
@@ -120,15 +122,15 @@ fn bad_input_is_refused() {
 fn there_and_back() {
     let mut solver = open_rod();
     let node = NodeRef { rod: 0, node: 12 };
-    let start = solver.engine.state.clone();
+    let start = solver.engine.state().clone();
     for to in [Vec3::new(-0.6, 0.3, 0.1), Vec3::zeros()] {
         let ramp = Ramp::Displacement { node, to };
         let report = solver.follow(&ramp, &FollowOptions::default(), &mut |_| ControlFlow::Continue(())).unwrap();
         assert_eq!(report.end, PathEnd::Target, "{report:?}");
         assert!((solver.moved.displaced[&12] - to).norm() < 1e-15);
-        assert!((solver.engine.state.positions[12] - (Vec3::x() * 2.0 + to)).norm() < 1e-12);
+        assert!((solver.engine.state().positions()[12] - (Vec3::x() * 2.0 + to)).norm() < 1e-12);
     }
-    let pairs = solver.engine.state.positions.iter().zip(&start.positions);
+    let pairs = solver.engine.state().positions().iter().zip(start.positions());
     assert!(pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) < 1e-9);
 }
 
@@ -137,7 +139,7 @@ fn there_and_back() {
 fn no_start_is_a_status() {
     let mut solver = open_rod();
     disturb(&mut solver);
-    solver.engine.state.load_factor = 1e9;
+    solver.engine.prescribe([PrescribedValue::Load(1e9)]);
     let report =
         solver.follow(&Ramp::Load { to: 2e9 }, &FollowOptions::default(), &mut |_| ControlFlow::Continue(())).unwrap();
     assert!(matches!(report.end, PathEnd::NoStart | PathEnd::BrokeDown), "{report:?}");

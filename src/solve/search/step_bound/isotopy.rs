@@ -24,7 +24,7 @@ impl Engine {
     /// # Errors
     /// Contact geometry that breaks down at the engine's state.
     pub(crate) fn is_path_free(&mut self, start: &State) -> Result<bool, SolveError> {
-        let end = self.state.clone();
+        let end = self.state().clone();
         // curves too coarse for contact on the path say nothing about its end
         let free = self.is_free_between(start, &end).unwrap_or(false);
         self.update_contact(&end)?;
@@ -57,14 +57,14 @@ impl Engine {
         for rod in 0..self.model.rods.len() {
             let mut before = Vec3::zeros();
             for node in self.nodes(rod) {
-                let [from, to] = [start, end].map(|s| s.frames[node] * Vec3::z());
+                let [from, to] = [start, end].map(|s| s.frames()[node] * Vec3::z());
                 let mut swing = Quat::rotation_between(&from, &to).map_or(before, |q| q.scaled_axis());
                 let angle = swing.norm();
                 let axis = if angle > NOTHING { swing / angle } else { before.normalize() };
                 if (before - swing).norm() > PI {
                     swing = nearest_turn(&axis, angle, &before);
                 }
-                increment.extend((end.positions[node] - start.positions[node]).iter().chain(swing.iter()));
+                increment.extend((end.positions()[node] - start.positions()[node]).iter().chain(swing.iter()));
                 before = swing;
             }
         }
@@ -73,7 +73,8 @@ impl Engine {
 
     /// The state at t between 0 and 1 on the path.
     fn between(&self, start: &State, end: &State, increment: &[f64], t: f64) -> State {
-        let mut state = self.retract(start, increment, t);
+        let moved = self.retract(start, increment, t);
+        let mut positions = moved.positions().to_vec();
         for (index, rod) in self.model.rods.iter().enumerate() {
             let first = self.first_node[index];
             let count = rod.num_segments();
@@ -82,18 +83,18 @@ impl Engine {
             for k in 0..count {
                 let (a, b) = (node(k), node(k + 1));
                 let mean = (rotation(increment, a) + rotation(increment, b)) * 0.5;
-                let chords = [start, end].map(|s| s.positions[b] - s.positions[a]);
+                let chords = [start, end].map(|s| s.positions()[b] - s.positions()[a]);
                 let back = exp(&-mean) * chords[1];
                 offsets.push(offsets[k] + exp(&(mean * t)) * (chords[0] * (1.0 - t) + back * t));
             }
             // what is held at both ends stays so
             let held = rod.closed || self.free[node(count)][..3] == [false; 3];
-            let straight = |k: usize| start.positions[node(k)] + displacement(increment, node(k)) * t;
+            let straight = |k: usize| start.positions()[node(k)] + displacement(increment, node(k)) * t;
             let miss = if held { straight(count) - straight(0) - offsets[count] } else { Vec3::zeros() };
             for k in 0..rod.num_nodes() {
-                state.positions[node(k)] = straight(0) + offsets[k] + miss * (k as f64 / count as f64);
+                positions[node(k)] = straight(0) + offsets[k] + miss * (k as f64 / count as f64);
             }
         }
-        state
+        moved.with_positions(positions)
     }
 }

@@ -7,6 +7,7 @@ use crate::solve::load_step::guess::{Ahead, ContactOfGuess};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Origin, Status};
 use crate::solve::options::Options;
+use crate::solve::problem::state::PrescribedValue;
 
 /// DNA (nm, pN) that 4 pN pull; `sliding` is its end that may slide and bears the load.
 pub(crate) fn dna(elements: usize, sliding: usize) -> Solver {
@@ -26,7 +27,7 @@ fn stretching(stiffness: f64, elements: usize, sliding: usize) -> Solver {
     let loads = vec![NodeLoad { node: ends[sliding], force, moment: Vec3::zeros() }];
     let model = Model { rods: vec![rod], supports: supports.to_vec(), loads, ..Model::default() };
     let mut solver = Solver::new(model, Options::default()).unwrap();
-    solver.engine.state.load_factor = 1.0;
+    solver.engine.prescribe([PrescribedValue::Load(1.0)]);
     assert_eq!(solver.find_equilibrium().status, Status::Converged);
     solver
 }
@@ -61,16 +62,16 @@ fn guess(solver: &mut Solver, drive: &PrescribedMotion) -> Option<Guess> {
 }
 
 fn potential(solver: &mut Solver, state: &State) -> f64 {
-    let before = std::mem::replace(&mut solver.engine.state, state.clone());
+    let before = solver.engine.exchange_state(state.clone());
     solver.engine.update_contact(state).unwrap();
     let potential = solver.engine.residual(state).potential.total();
-    solver.engine.state = before;
+    solver.engine.take_state(before);
     potential
 }
 
 /// Elastic energy, and potential with that of loads and contact.
 pub(crate) fn energies(solver: &Solver) -> [f64; 2] {
-    let potential = solver.engine.residual(&solver.engine.state).potential;
+    let potential = solver.engine.residual(solver.engine.state()).potential;
     [potential.elastic.total(), potential.total()]
 }
 
@@ -84,7 +85,7 @@ fn plectonemes_grow_to_where_they_rest() {
         let drive = turn(&solver, turned, angle);
         let slow = solver.load_step_from(&[Origin::CoreLaw], &drive, &Ahead::Unknown);
         assert_eq!((slow.status, slow.num_unstable), (Status::Converged, 0));
-        let ([scale, known], turned_link) = (energies(&solver), link(&solver.engine.state));
+        let ([scale, known], turned_link) = (energies(&solver), link(solver.engine.state()));
         solver.restore(before).unwrap();
         let quick = solver.solve_step(&drive);
         assert!(quick.start == Some(Origin::Growth) && quick.num_unstable == 0, "{sliding} {turned} {angle}");
@@ -92,7 +93,7 @@ fn plectonemes_grow_to_where_they_rest() {
         assert!(2 * quick.iterations < slow.iterations, "{} {}", quick.iterations, slow.iterations);
         let [_, found] = energies(&solver);
         assert!((found - known).abs() < 1e-3 * scale, "{angle}: {found} {known} of {scale}");
-        assert!((link(&solver.engine.state) - turned_link).abs() < 1e-9);
+        assert!((link(solver.engine.state()) - turned_link).abs() < 1e-9);
     }
 }
 
@@ -120,10 +121,10 @@ fn predictions_are_nearly_at_rest() {
         let drive = turn(&solver, 1, angle);
         let to = turned_end(&solver.engine, &drive).unwrap();
         let Guess { state, contact, .. } = guess(&mut solver, &drive).unwrap();
-        let last = state.positions.len() - 1;
-        assert_eq!((state.frames[0], state.frames[last]), (to.frames[0], to.frames[last]));
-        assert_eq!(state.positions[0], to.positions[0]);
-        assert!(state.positions[last].yz().norm() < 1e-9, "{}", state.positions[last]);
+        let last = state.positions().len() - 1;
+        assert_eq!((state.frames()[0], state.frames()[last]), (to.frames()[0], to.frames()[last]));
+        assert_eq!(state.positions()[0], to.positions()[0]);
+        assert!(state.positions()[last].yz().norm() < 1e-9, "{}", state.positions()[last]);
         let ContactOfGuess::Known(contact) = contact else { panic!("nothing known of contact") };
         solver.engine.contact.as_mut().unwrap().offsets = contact.offsets;
         let predicted = potential(&mut solver, &state);
@@ -137,10 +138,10 @@ fn predictions_are_nearly_at_rest() {
 #[test]
 fn no_turn_leaves_all_in_place() {
     let mut solver = snapped(100, 1, 1);
-    let (state, drive) = (solver.engine.state.clone(), turn(&solver, 1, 1e-9));
+    let (state, drive) = (solver.engine.state().clone(), turn(&solver, 1, 1e-9));
     let Guess { state: same, .. } = guess(&mut solver, &drive).unwrap();
-    let apart = state.positions.iter().zip(&same.positions).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-    let turned = state.frames.iter().zip(&same.frames).map(|(a, b)| a.angle_to(b)).fold(0.0, f64::max);
+    let apart = state.positions().iter().zip(same.positions()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    let turned = state.frames().iter().zip(same.frames()).map(|(a, b)| a.angle_to(b)).fold(0.0, f64::max);
     assert!(apart < 1e-7 && turned < 1e-7, "{apart:e} {turned:e}");
 }
 
@@ -148,7 +149,7 @@ fn no_turn_leaves_all_in_place() {
 #[test]
 fn other_links_are_refused() {
     let mut solver = snapped(100, 1, 1);
-    let (before, drive) = (solver.engine.state.clone(), turn(&solver, 1, 3.0));
+    let (before, drive) = (solver.engine.state().clone(), turn(&solver, 1, 3.0));
     let made = guess(&mut solver, &drive).unwrap().state;
     assert!(has_turned(&made, &before, 3.0));
     assert!(!has_turned(&made, &before, 3.0 + 2.0 * TAU) && !has_turned(&made, &before, 3.0 - 2.0 * TAU));
@@ -170,7 +171,7 @@ fn other_rods_are_left_alone() {
         let mut model = solver.engine.model.clone();
         change(&mut model);
         let mut other = Solver::new(model, Options::default()).unwrap();
-        other.engine.state = solver.engine.state.clone();
+        other.engine.take_state(solver.engine.state().clone());
         guess(&mut other, &drive)
     };
     assert!(changed(|_| ()).unwrap().state == known, "another solver of the same state");
