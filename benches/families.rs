@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Every case runs on one thread, and is stopped when its time is up. What the solver calls converged is checked again:
-//! gaps, forces out of balance, link, knots. Iterations are the same on every machine, seconds are not: they are those of
-//! the processor, or on the clock where several cases run at a time.
+//! gaps, forces out of balance, link, knots. Iterations are the same on every machine, seconds are not: they are those
+//! of the processor, or on the clock where several cases run at a time.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, missing_docs)]
 

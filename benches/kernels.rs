@@ -22,8 +22,8 @@ use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
 
-/// Additions, multiplications and divisions for residual and tangent of a cubic element in space: 19 200 counted instruction
-/// by instruction when whole matrices were multiplied, less 864 for blocks that are no longer formed.
+/// Additions, multiplications and divisions for residual and tangent of a cubic element in space: 19 200 counted
+/// instruction by instruction when whole matrices were multiplied, less 864 for blocks that are no longer formed.
 const FLOPS: f64 = 18.3e3;
 
 /// Least and median of 400 goes of 250 elements (other work on the machine hardly disturbs the least), and the rate of
@@ -42,7 +42,8 @@ fn against_operations(mut tangent: impl FnMut() -> f64) {
     micros.sort_by(f64::total_cmp);
     let (least, median) = (micros[0], micros[micros.len() / 2]);
     println!(
-        "cubic element in space, tangent: {least:.2} µs least, {median:.2} µs median, {FLOPS:.0} operations, {:.1} GF/s",
+        "cubic element in space, tangent: {least:.2} µs least, {median:.2} µs median, {FLOPS:.0} operations, {:.1} \
+         GF/s",
         1e-3 * FLOPS / least
     );
 }

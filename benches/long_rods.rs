@@ -121,7 +121,8 @@ fn main() {
         let taken = started.elapsed().as_secs_f64();
         let residual = solver.engine().relative_residual();
         println!(
-            "rest of {nodes} nodes: {}, {} iterations in {} searches ({} on a shorter rod), relative residual {residual:.1e}, penetration {:.1e} radii, {taken:.1} s",
+            "rest of {nodes} nodes: {}, {} iterations in {} searches ({} on a shorter rod), relative residual \
+             {residual:.1e}, penetration {:.1e} radii, {taken:.1} s",
             report.status,
             report.iterations,
             report.history.len(),

@@ -1,15 +1,15 @@
-//! What obstacles cost: Newton iterations of a hundred rods, 10⁵ segments, with ten of them, and without. The pass over all segments is
-//! linear; it should take no more than a twentieth of an iteration.
+//! What obstacles cost: Newton iterations of a hundred rods, 10⁵ segments, with ten of them, and without. The pass over
+//! all segments is linear; it should take no more than a twentieth of an iteration.
 //!
 //! ```text
 //! cargo bench --bench obstacles                     # 1e5 segments
 //! cargo bench --bench obstacles -- --segments 10000
 //! ```
 //!
-//! Straight rods lie side by side on spheres and cylinders that they overlap a little where they are. Which nodes are pushed is verified
-//! against brute force over points of all segments. Then the obstacles are ten radii below them, so that they cost their detection
-//! only. A load upwards gives the searches something to do. Times are those of the processor with one thread, the least of
-//! some runs.
+//! Straight rods lie side by side on spheres and cylinders that they overlap a little where they are. Which nodes are
+//! pushed is verified against brute force over points of all segments. Then the obstacles are ten radii below them, so
+//! that they cost their detection only. A load upwards gives the searches something to do. Times are those of the
+//! processor with one thread, the least of some runs.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
@@ -91,7 +91,8 @@ fn processor_time() -> f64 {
     0.01 * (ticks(11) + ticks(12))
 }
 
-/// Nodes that are pushed are the ends of the segments that brute force finds to overlap an obstacle; how many there are.
+/// Nodes that are pushed are the ends of the segments that brute force finds to overlap an obstacle; how many there
+/// are.
 fn verify(solver: &mut Solver) -> usize {
     // looks for candidates
     solver.problem_size().unwrap();
@@ -144,8 +145,8 @@ fn main() {
     }
     let [without, with] = least;
     println!(
-        "{segments} segments: {:.1} ms an iteration without obstacles, {:.1} ms with {OBSTACLES}, {:.1} % more; {pushed} nodes pushed, as \
-         brute force finds",
+        "{segments} segments: {:.1} ms an iteration without obstacles, {:.1} ms with {OBSTACLES}, {:.1} % more; \
+         {pushed} nodes pushed, as brute force finds",
         1e3 * without,
         1e3 * with,
         100.0 * (with / without - 1.0)

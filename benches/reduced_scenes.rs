@@ -4,10 +4,10 @@
 //! `cargo bench --bench reduced_scenes`. One problem for all: a leaf spring of two cantilevers, the one pressed on the
 //! other by a load at its tip, or one of them alone; with and without out-of-plane unknowns, with contact in use, on
 //! where nothing is near, or off; straight or curved by nature; with a stiffness that couples
-//! strains, the same all along or from a table by arc length, with natural strains and radii. Each runs several times in turn on one
-//! thread and the least time of the processor is kept, so that other work on the machine disturbs all alike; only the ratios mean
-//! something. Parts on the clock: detection, assembly, factor with its analysis, solves. `-- "planar, in contact"` runs
-//! the scenes of that name only, ten rounds: for a profiler.
+//! strains, the same all along or from a table by arc length, with natural strains and radii. Each runs several times
+//! in turn on one thread and the least time of the processor is kept, so that other work on the machine disturbs all
+//! alike; only the ratios mean something. Parts on the clock: detection, assembly, factor with its analysis, solves.
+//! `-- "planar, in contact"` runs the scenes of that name only, ten rounds: for a profiler.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::time::Instant;

@@ -5,7 +5,8 @@
 //! cargo bench --bench scaling                       # 1e4, 1e5, 1e6 segments, 1 and 2 threads: a few minutes
 //! cargo bench --bench scaling -- --max 100000       # smaller
 //! cargo bench --bench scaling -- --repeat 9 --input packed
-//! cargo bench --bench scaling -- --round packed --segments 100000 --write points.f64   # one round for rivals_external/compare.py
+//! # one round for rivals_external/compare.py
+//! cargo bench --bench scaling -- --round packed --segments 100000 --write points.f64
 //! ```
 //!
 //! Answers are verified (counts of an independent program, brute force at 1e4) before anything is timed. Times are

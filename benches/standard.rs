@@ -8,8 +8,8 @@
 //! cargo bench --bench standard -- --csv new.csv --compare old.csv
 //! ```
 //!
-//! One thread. Iterations are the same on every machine, seconds (of the processor) are not. A run whose answer is off does not pass.
-//! References are exact (shooting, closed forms), or the same rod's on a finer mesh where it says so.
+//! One thread. Iterations are the same on every machine, seconds (of the processor) are not. A run whose answer is off
+//! does not pass. References are exact (shooting, closed forms), or the same rod's on a finer mesh where it says so.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, clippy::expect_used, missing_docs)]
 

@@ -5,8 +5,8 @@
 //! cargo bench --bench tangent -- 1000        # other sizes
 //! ```
 //!
-//! A cantilever rolled up by a dead force, one thread. Exits with 1 if the free energy costs more than twice as much as the
-//! equilibrium, a gradient by eight numbers more than a fifth, or an answer is off.
+//! A cantilever rolled up by a dead force, one thread. Exits with 1 if the free energy costs more than twice as much as
+//! the equilibrium, a gradient by eight numbers more than a fifth, or an answer is off.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
@@ -77,8 +77,8 @@ fn case(nodes: usize) -> bool {
         && harmonic.log_determinant.is_finite();
     let [free_energy, gradient, modes] = [free_energy, gradient, modes].map(|seconds| seconds / equilibrium);
     println!(
-        "{nodes:7} nodes: equilibrium {equilibrium:.3} s; over it: free energy {free_energy:.3}, gradient by {} numbers \
-         {gradient:.3}, six modes {modes:.3}; answers {}",
+        "{nodes:7} nodes: equilibrium {equilibrium:.3} s; over it: free energy {free_energy:.3}, gradient by {} \
+         numbers {gradient:.3}, six modes {modes:.3}; answers {}",
         TO.len(),
         if is_right { "right" } else { "WRONG" }
     );

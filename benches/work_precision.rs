@@ -336,7 +336,8 @@ fn word(preset: Option<Fidelity>) -> String {
 }
 
 fn write(case: &str, rows: &[Row], best: &[usize]) {
-    let head = "case,preset,order,elements,stiffness,augmented,tol_penetration,tol_increment,steps,seconds,iterations,work,energy,moment,writhe,force,tip,gap,worst,front\n";
+    let head = "case,preset,order,elements,stiffness,augmented,tol_penetration,tol_increment,steps,seconds,iterations,\
+        work,energy,moment,writhe,force,tip,gap,worst,front\n";
     let mut text = head.to_owned();
     for (index, row) in rows.iter().enumerate() {
         let k = row.knobs;
@@ -461,7 +462,8 @@ fn condition() {
         let floors = [least(|i| i.residual), least(|i| i.increment), tip];
         let [residual, increment, tip] = floors;
         println!(
-            "slenderness {slenderness:.1e}, {elements} elements: residual {residual:.1e}, increment {increment:.1e}, tip {tip:.1e}"
+            "slenderness {slenderness:.1e}, {elements} elements: residual {residual:.1e}, increment {increment:.1e}, \
+             tip {tip:.1e}"
         );
         text += &format!("{slenderness:e},{elements},{residual:.3e},{increment:.3e},{tip:.3e}\n");
         for (plot, wanted, at) in [(0, elements == 16, slenderness), (1, slenderness == 1e2, elements as f64)] {
@@ -601,7 +603,8 @@ fn main() {
         let presets = || rows.iter().filter(|row| row.knobs.preset.is_some());
         for row in presets() {
             println!(
-                "  {}: {:.1} times the least work for that error; {}\n    energy {:.1e}, moment {:.1e}, writhe {:.1e}, force {:.1e}, tip {:.1e}, gap {:.1e}",
+                "  {}: {:.1} times the least work for that error; {}\n\
+                     energy {:.1e}, moment {:.1e}, writhe {:.1e}, force {:.1e}, tip {:.1e}, gap {:.1e}",
                 word(row.knobs.preset),
                 row.work / least(row.worst),
                 line(row),

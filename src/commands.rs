@@ -1,5 +1,5 @@
-//! The commands: each file has the arguments of one, or of two that share their work, and does it. A command returns the
-//! exit code.
+//! The commands: each file has the arguments of one, or of two that share their work, and does it. A command returns
+//! the exit code.
 
 pub mod answers;
 pub mod check;

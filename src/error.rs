@@ -159,8 +159,8 @@ pub enum SolveError {
     },
     /// A rod bent so much more tightly than it is thick that contact has no meaning there, on any mesh.
     #[error(
-        "segment {segment} of curve {curve} is bent to curvature × contact radius {tightness:.2}: the rod is bent more tightly than \
-         it is thick"
+        "segment {segment} of curve {curve} is bent to curvature × contact radius {tightness:.2}: the rod is bent \
+         more tightly than it is thick"
     )]
     TooTight {
         /// Curve (rod) index.
@@ -173,8 +173,8 @@ pub enum SolveError {
     /// Frames of neighbouring nodes that differ by too much rotation: near half a turn an element would interpolate the
     /// other way round.
     #[error(
-        "the frames of nodes {node} and {next} of rod {rod} turn by {turns:.3} turns against each other, more than {limit}: use more \
-         elements"
+        "the frames of nodes {node} and {next} of rod {rod} turn by {turns:.3} turns against each other, more than \
+         {limit}: use more elements"
     )]
     TooTwisted {
         /// Rod index.

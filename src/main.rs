@@ -1,9 +1,9 @@
-//! The command line: `supercoil new KIND`, `supercoil run FILE --out DIR`, `supercoil resume DIR`, `supercoil check FILE`,
-//! `supercoil view DIR`, `supercoil export DIR`, `supercoil sweep …` and `supercoil help scene [KEY]`.
+//! The command line: `supercoil new KIND`, `supercoil run FILE --out DIR`, `supercoil resume DIR`, `supercoil check
+//! FILE`, `supercoil view DIR`, `supercoil export DIR`, `supercoil sweep …` and `supercoil help scene [KEY]`.
 //!
 //! Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk full,
-//! read-only, folder in use), 4 converged with tubes inside each other, 5 converged but a check of the certificate fails, 130
-//! stopped by Ctrl-C or `--time-limit`.
+//! read-only, folder in use), 4 converged with tubes inside each other, 5 converged but a check of the certificate
+//! fails, 130 stopped by Ctrl-C or `--time-limit`.
 #![allow(clippy::print_stderr)] // a program prints to its user
 
 mod commands;
@@ -23,9 +23,9 @@ use commands::{
     name = "supercoil",
     version,
     disable_help_subcommand = true,
-    after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written (disk \
-    full, read-only, folder in use), 4 converged with tubes inside each other (status overlap), 5 converged, but a check of the \
-    certificate fails (status fails …), 130 stopped by Ctrl-C or --time-limit."
+    after_help = "Exit codes: 0 converged, 1 ran but did not converge, 2 bad input, 3 outputs could not be written \
+        (disk full, read-only, folder in use), 4 converged with tubes inside each other (status overlap), 5 \
+        converged, but a check of the certificate fails (status fails …), 130 stopped by Ctrl-C or --time-limit."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -44,16 +44,16 @@ enum Command {
     View(view::ViewArguments),
     /// Plot columns of a table of a run as SVG or PDF. A dashed line joins the steps between which the rods snapped.
     Plot(plot::PlotArguments),
-    /// Find the softest modes of a run's final state. Writes modes.vtp for ParaView and modes.html, a page that shows them
-    /// swing. Of rods with masses (density, mass or weight) frequencies.
+    /// Find the softest modes of a run's final state. Writes modes.vtp for ParaView and modes.html, a page that shows
+    /// them swing. Of rods with masses (density, mass or weight) frequencies.
     Modes(answers::ModesArguments),
     /// Print derivatives of a run's final state, and write them to sensitivities.csv.
     Sensitivity(answers::SensitivityArguments),
-    /// Print the harmonic free energy of a run's final state less that of another run of the same rods on the same mesh;
-    /// standard deviations; what loads and motions do at this temperature.
+    /// Print the harmonic free energy of a run's final state less that of another run of the same rods on the same
+    /// mesh; standard deviations; what loads and motions do at this temperature.
     FreeEnergy(temperature::FreeEnergyArguments),
-    /// Print the J-factor of a ring or a loop: the run of the ring (closed), or of the loop between its clamps, and that of the
-    /// same rod on the same mesh with a free end.
+    /// Print the J-factor of a ring or a loop: the run of the ring (closed), or of the loop between its clamps, and
+    /// that of the same rod on the same mesh with a free end.
     JFactor(temperature::JFactorArguments),
     /// Check a scene file without running it.
     Check(check::CheckArguments),
@@ -71,8 +71,8 @@ enum Command {
     Completions(help::CompletionsArguments),
     /// Write the manual, a page of the program and one of each command, into a folder.
     Man(help::ManArguments),
-    /// Explain the keys of scene files (`help scene`, `help scene KEY`), or a command; `help schema` prints the JSON Schema
-    /// of scene files, for editors.
+    /// Explain the keys of scene files (`help scene`, `help scene KEY`), or a command; `help schema` prints the JSON
+    /// Schema of scene files, for editors.
     Help(help::HelpArguments),
 }
 

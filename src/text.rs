@@ -45,8 +45,8 @@ pub(crate) const CHECKPOINT_FORMAT: u32 = 16;
 #[cfg(any(feature = "scenes", feature = "runs"))]
 pub(crate) const CHECKPOINT_HEAD: usize = 28;
 
-/// The nodal state in a checkpoint of the present format, as a `final_state.csv` has it: the first field of its body, with
-/// its length before it in digits to the base 128, lowest first. None if it is cut short or of another format.
+/// The nodal state in a checkpoint of the present format, as a `final_state.csv` has it: the first field of its body,
+/// with its length before it in digits to the base 128, lowest first. None if it is cut short or of another format.
 #[cfg(feature = "scenes")]
 pub(crate) fn state_in_checkpoint(bytes: &[u8]) -> Option<&[u8]> {
     let body = bytes.get(CHECKPOINT_HEAD..).filter(|_| bytes[8..12] == CHECKPOINT_FORMAT.to_le_bytes())?;

@@ -67,8 +67,8 @@ pub fn contacts_of_cubics() -> Result<Vec<f64>, JsError> {
     Ok(ring::contacts_of_cubics()?)
 }
 
-/// Coordinates of the nodes of a pulled rod: the solver without sines and cosines. The same bits on every machine that does
-/// not fuse products and sums.
+/// Coordinates of the nodes of a pulled rod: the solver without sines and cosines. The same bits on every machine that
+/// does not fuse products and sums.
 ///
 /// # Errors
 /// None in practice: the rod is given.

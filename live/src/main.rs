@@ -1,7 +1,8 @@
 //! Writes the page with the solver in it, or the numbers that the page must find.
 //!
 //! `supercoil-live page MODULE.wasm PAGE.html` writes one file that needs nothing else and no network;
-//! `supercoil-live numbers EXCESS_LINK` prints the numbers of the ring at that link, and those of a contact search, as JSON.
+//! `supercoil-live numbers EXCESS_LINK` prints the numbers of the ring at that link, and those of a contact search, as
+//! JSON.
 #![allow(clippy::print_stdout)] // a program talks to its reader
 
 use std::error::Error;
@@ -81,8 +82,8 @@ fn circle() -> Result<Film, Box<dyn Error>> {
     })
 }
 
-/// As JSON: the numbers of the table after going to an excess link; the contacts of two cubics and the nodes of a pulled
-/// rod as bits in hexadecimal; whether products and sums are fused here.
+/// As JSON: the numbers of the table after going to an excess link; the contacts of two cubics and the nodes of a
+/// pulled rod as bits in hexadecimal; whether products and sums are fused here.
 fn numbers(excess_link: f64) -> Result<String, Box<dyn Error>> {
     let mut ring = Ring::new()?;
     while ring.excess_link() != excess_link {

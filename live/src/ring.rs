@@ -89,8 +89,8 @@ impl Ring {
         self.excess_link
     }
 
-    /// Goes one step towards an excess link. A step that does not converge is tried again at half its length, five times.
-    /// Says whether one converged; the ring is as it was otherwise.
+    /// Goes one step towards an excess link. A step that does not converge is tried again at half its length, five
+    /// times. Says whether one converged; the ring is as it was otherwise.
     ///
     /// # Errors
     /// An excess link that is not finite.

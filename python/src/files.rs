@@ -59,8 +59,8 @@ pub fn export(
     written.map_err(refuse::input)
 }
 
-/// Writes the files of a run with these states, in order, into a folder; with `for_page` what a page needs, whatever outputs
-/// the scene has.
+/// Writes the files of a run with these states, in order, into a folder; with `for_page` what a page needs, whatever
+/// outputs the scene has.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn write_files(

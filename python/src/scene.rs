@@ -72,7 +72,8 @@ impl Scene {
         columns.explained().map(|column| (column.name.clone(), column.unit.clone(), column.meaning)).collect()
     }
 
-    /// The steps, given as JSON, in the columns of `table.csv`: JSON of pairs of a name and a list, null for a blank cell.
+    /// The steps, given as JSON, in the columns of `table.csv`: JSON of pairs of a name and a list, null for a blank
+    /// cell.
     fn table(&self, steps: &str) -> PyResult<String> {
         let damaged = |e| refuse::damaged("table", e);
         let steps: Vec<Observation> = serde_json::from_str(steps).map_err(damaged)?;

@@ -207,8 +207,8 @@ impl State {
         PyArray1::from_iter(py, self.rods.iter().flat_map(|rod| rod.strains.arc_lengths.iter().copied()))
     }
 
-    /// The softest modes: eigenvalues over B/L⁴, B/L⁴, frequencies of rods with masses, shares of stretch, shear, bend and
-    /// twist, and the shapes, six numbers a node.
+    /// The softest modes: eigenvalues over B/L⁴, B/L⁴, frequencies of rods with masses, shares of stretch, shear, bend
+    /// and twist, and the shapes, six numbers a node.
     #[allow(clippy::type_complexity)]
     fn modes<'py>(
         &self,
@@ -251,8 +251,8 @@ impl State {
         })
     }
 
-    /// Derivatives of an observable with respect to the rows of a table `natural_strains:ROD`; `None` if the name is that of
-    /// another parameter.
+    /// Derivatives of an observable with respect to the rows of a table `natural_strains:ROD`; `None` if the name is
+    /// that of another parameter.
     fn gradient_of_table<'py>(
         &self,
         py: Python<'py>,

@@ -1,9 +1,9 @@
 //! The elements' own centreline, in arcs.
 //!
-//! Each part of an element between two nodes is cut into arcs that turn by less than [`MAX_TURN`]: cubics of a parameter from
-//! 0 to 1, with a bound of their distance from their chord. Each knows by how much curves that are smooth through the nodes may lie
-//! beside it: between elements r has kinks, of an angle j that goes to zero with the mesh, and such curves lie beside it by up
-//! to [`BESIDE`] j h, h the node spacing.
+//! Each part of an element between two nodes is cut into arcs that turn by less than [`MAX_TURN`]: cubics of a
+//! parameter from 0 to 1, with a bound of their distance from their chord. Each knows by how much curves that are
+//! smooth through the nodes may lie beside it: between elements r has kinks, of an angle j that goes to zero with the
+//! mesh, and such curves lie beside it by up to [`BESIDE`] j h, h the node spacing.
 
 use super::first_nodes;
 use super::strains::{PlacedRod, element_length};
@@ -16,8 +16,9 @@ use crate::solve::State;
 const MAX_TURN: f64 = 0.3;
 /// Arcs of a part between two nodes, at most.
 const MAX_ARCS: f64 = 8.0;
-/// Distance of an element from smooth curves through its nodes, over node spacing × kink: an eighth for chords, a twelfth for
-/// cubics, whose error is 5.1e-4 r⁗H⁴ where kinks are 1.85e-2 r⁗H³; four times that, because meshes do not converge evenly.
+/// Distance of an element from smooth curves through its nodes, over node spacing × kink: an eighth for chords, a
+/// twelfth for cubics, whose error is 5.1e-4 r⁗H⁴ where kinks are 1.85e-2 r⁗H³; four times that, because meshes do not
+/// converge evenly.
 const BESIDE: f64 = 0.5;
 
 /// A piece of the centreline of a rod: a cubic of the parameter t ∈ [0, 1], by its Taylor coefficients about `from`.
@@ -158,8 +159,8 @@ impl Arcs {
         Self { all, strands }
     }
 
-    /// Arcs of a rod between two arc lengths, which run over the seam where the second is the lower one, clipped to them, and so
-    /// many node spacings beyond.
+    /// Arcs of a rod between two arc lengths, which run over the seam where the second is the lower one, clipped to
+    /// them, and so many node spacings beyond.
     pub(super) fn along(&self, rod: usize, [start, end]: [f64; 2], spacings: f64) -> Vec<Arc> {
         let Some(strand) = &self.strands[rod] else { return Vec::new() };
         let all = &self.all[strand.first..strand.first + strand.count];

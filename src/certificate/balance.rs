@@ -8,13 +8,14 @@
 //! energies   ½ ∫ σ·(ε − ε₀) ds by kind, the sum of which has the forces of nodes as its derivative
 //! ```
 //!
-//! n and m are the stress resultants in space, φ = Σ A_a θ_a the rotation of the interpolated frame, f and l loads, s and t
-//! reactions of supports and joints, c and d contact forces with their moments, as reported; j and k are those of joints alone, e
-//! the axis of a hinge. A body is a rod; its balance needs no elements.
+//! n and m are the stress resultants in space, φ = Σ A_a θ_a the rotation of the interpolated frame, f and l loads, s
+//! and t reactions of supports and joints, c and d contact forces with their moments, as reported; j and k are those of
+//! joints alone, e the axis of a hinge. A body is a rod; its balance needs no elements.
 //!
-//! Forces are compared with the largest sum of the sizes of all forces on a node, moments with that times the node spacing, or the
-//! extent of a contact or body. The sums are those of the weak form, node by node, by the rule that integrates the energy: no mesh
-//! leaves a rest in them. What is left is what the solver's search leaves: rounding without contact, up to 1e-4 with it.
+//! Forces are compared with the largest sum of the sizes of all forces on a node, moments with that times the node
+//! spacing, or the extent of a contact or body. The sums are those of the weak form, node by node, by the rule that
+//! integrates the energy: no mesh leaves a rest in them. What is left is what the solver's search leaves: rounding
+//! without contact, up to 1e-4 with it.
 
 use super::strains::{MaterialMatrix, PlacedRod, element_length, rule};
 use super::{Check, ContactForce, Subject, SupportForce, Worst, first_nodes, node_name};
@@ -23,17 +24,18 @@ use crate::math::{Vec3, parallel};
 use crate::rod::{Deformation, ElasticEnergies, Rod};
 use crate::scene::{Model, NodeRef};
 
-/// Force out of balance over the largest one, without contact: Newton's method squares increments, and searches that end along
-/// neutral directions balance forces to 1e-8; ten times that. All scenes of the relations have 1e-13.
+/// Force out of balance over the largest one, without contact: Newton's method squares increments, and searches that
+/// end along neutral directions balance forces to 1e-8; ten times that. All scenes of the relations have 1e-13.
 const FREE: f64 = 1e-7;
-/// The same where contact bears a force: contact is so stiff that an increment below the tolerance changes it, so searches end
-/// when forces are in balance to 1e-4 of the largest contact force, the fifth part of what the most exact preset states.
+/// The same where contact bears a force: contact is so stiff that an increment below the tolerance changes it, so
+/// searches end when forces are in balance to 1e-4 of the largest contact force, the fifth part of what the most exact
+/// preset states.
 const IN_CONTACT: f64 = 1e-4;
-/// Where contact bears a force, over the tolerance of increments: searches end when an increment changes contact forces by ten
-/// times that, of which an iteration that contracts leaves less; ten times that.
+/// Where contact bears a force, over the tolerance of increments: searches end when an increment changes contact forces
+/// by ten times that, of which an iteration that contracts leaves less; ten times that.
 const OF_INCREMENTS: f64 = 100.0;
-/// Units in the last place by which forces on nodes are rounded: ten of each strain, a sum of that many products, times the sum
-/// of |N_a′| over the elements at a node, up to eight.
+/// Units in the last place by which forces on nodes are rounded: ten of each strain, a sum of that many products, times
+/// the sum of |N_a′| over the elements at a node, up to eight.
 const LAST_PLACES: f64 = 80.0;
 
 /// Rounding of a sum over elements, over the sum.
@@ -76,8 +78,8 @@ pub(super) fn checks(subject: &Subject) -> Vec<Check> {
     of_nodes.into_iter().chain([of_bodies]).chain(of_joints).chain([energies(subject, &stored)]).collect()
 }
 
-/// The largest force on a node \[F\], and the part of it that may be out of balance. Rounding of forces counts as so large a
-/// force that it is this part of it.
+/// The largest force on a node \[F\], and the part of it that may be out of balance. Rounding of forces counts as so
+/// large a force that it is this part of it.
 struct Scale {
     force: f64,
     tolerance: f64,
@@ -168,7 +170,8 @@ struct Stored {
 }
 
 impl Stored {
-    /// Adds ½ σ·ε of a point; strains are rounded by some units in the last place, curvatures by that over the node spacing.
+    /// Adds ½ σ·ε of a point; strains are rounded by some units in the last place, curvatures by that over the node
+    /// spacing.
     fn add(&mut self, stress: &[f64; 6], elastic: &[f64; 6], (weight, spacing): (f64, f64)) {
         for (k, kind) in Deformation::OF_STRAINS.into_iter().enumerate() {
             self.kinds.add(kind, 0.5 * weight * stress[k] * elastic[k]);
@@ -356,8 +359,8 @@ fn leave_out_held(model: &Model, (force, moment): (&mut Vec3, &mut Vec3)) {
     }
 }
 
-/// Balance of the forces that each joint exerts. What it does not hold it exerts no moment on: rods that a pin joins turn on their
-/// own, those that a hinge joins about its axis.
+/// Balance of the forces that each joint exerts. What it does not hold it exerts no moment on: rods that a pin joins
+/// turn on their own, those that a hinge joins about its axis.
 fn joints(subject: &Subject, first: &[usize], scale: &Scale) -> Option<Check> {
     let (model, state) = (subject.model, subject.state);
     let mut worst = Worst::none();

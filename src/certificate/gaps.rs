@@ -1,14 +1,15 @@
 //! Gaps of the elements' own centreline, by a search of its own.
 //!
 //! ```text
-//! gap = |r(s) − r(t)| − ε_a − ε_b      at its local minima over s and t; at obstacles the distance of r(s) from the surface, less ε
+//! gap = |r(s) − r(t)| − ε_a − ε_b      at its local minima over s and t
+//! at obstacles: the distance of r(s) from the surface, less ε
 //! ```
 //!
-//! r is the polynomial of the element, which carries the energy, in arcs that turn so little that two of them have one nearest
-//! pair of points. Pairs of arcs come from a grid; a bound of their distance
-//! by chords and sagittas leaves out those that cannot be the nearest, Newton's method finds the nearest points of the others.
-//! Points of one rod nearer along it than [`NEIGHBOURS`] of turning are no contact: a curve has to turn by π between two points
-//! whose connection is normal to it at both (Fenchel). Joined rods overlap at their joint, as far as they did at the start.
+//! r is the polynomial of the element, which carries the energy, in arcs that turn so little that two of them have one
+//! nearest pair of points. Pairs of arcs come from a grid; a bound of their distance by chords and sagittas leaves out
+//! those that cannot be the nearest, Newton's method finds the nearest points of the others. Points of one rod nearer
+//! along it than [`NEIGHBOURS`] of turning are no contact: a curve has to turn by π between two points whose connection
+//! is normal to it at both (Fenchel). Joined rods overlap at their joint, as far as they did at the start.
 //!
 //! Contact closes gaps between curves that are smooth through the nodes. What these may lie beside an arc is the mesh's
 //! resolution, by which strands may overlap.
@@ -22,8 +23,8 @@ use crate::math::{Vec3, parallel};
 use crate::scene::model::overlaps;
 use crate::scene::{ContactLaw, Model, Obstacle};
 
-/// Turning, rad, of a rod between two points that may touch, half of what Fenchel asks for, because turning is known by the arc
-/// only.
+/// Turning, rad, of a rod between two points that may touch, half of what Fenchel asks for, because turning is known by
+/// the arc only.
 const NEIGHBOURS: f64 = std::f64::consts::FRAC_PI_2;
 /// Largest gap that is looked for, in radii of the thinnest rod: two diameters.
 const MAX_GAP: f64 = 4.0;
@@ -37,7 +38,8 @@ const LEVEL: f64 = 1e-7;
 const TOL_GAP: f64 = 1e-10;
 /// Points of an arc among which the nearest to an obstacle is looked for, because arcs turn by little.
 const POINTS: usize = 8;
-/// Width of an interval, as a parameter of an arc, in which the nearest point is known, because gaps are known to its square.
+/// Width of an interval, as a parameter of an arc, in which the nearest point is known, because gaps are known to its
+/// square.
 const TOL_PLACE: f64 = 1e-6;
 /// Part of an interval that golden sections leave.
 const GOLDEN: f64 = 0.618_033_988_749_895;
@@ -72,8 +74,8 @@ impl Arcs {
         a.rod == b.rod && self.strands[a.rod].as_ref().is_none_or(|s| s.between(a.index, b.index) < NEIGHBOURS)
     }
 
-    /// Whether one of two points is the end of an open rod and the other less than half a turn about the rod's radius from it:
-    /// the rounded end of a rod is in the tube next to it, which is no overlap of the tube.
+    /// Whether one of two points is the end of an open rod and the other less than half a turn about the rod's radius
+    /// from it: the rounded end of a rod is in the tube next to it, which is no overlap of the tube.
     fn is_end_beside(&self, a: &Arc, b: &Arc, [u, v]: [f64; 2]) -> bool {
         let is_end = |arc: &Arc, t: f64| {
             let [before, after] = self.beyond(arc);
@@ -159,8 +161,8 @@ fn minimum(a: &Arc, b: &Arc) -> [f64; 2] {
     x
 }
 
-/// A step that decreases a function with gradient `g` and second derivatives `h` (uu, uv, vv) within the unit square; `scale`
-/// are second derivatives without curvature.
+/// A step that decreases a function with gradient `g` and second derivatives `h` (uu, uv, vv) within the unit square;
+/// `scale` are second derivatives without curvature.
 fn newton_step(x: [f64; 2], g: [f64; 2], h: [f64; 3], scale: [f64; 2]) -> [f64; 2] {
     // a parameter at its bound, towards which the function falls, stays there
     let held = [0, 1].map(|k| x[k] <= 0.0 && g[k] > 0.0 || x[k] >= 1.0 && g[k] < 0.0);
@@ -284,15 +286,16 @@ pub(crate) fn gaps(subject: &Subject, arcs: &Arcs) -> (Option<OwnGap>, Option<Ch
     (nearest, Some(Check::new("gaps", overlap, tol, detail)))
 }
 
-/// Arc lengths of a rod \[L\] next to a node that carries an obstacle of this level, within which a rod that turns by half a turn may
-/// still be in it; contact leaves out whole segments.
+/// Arc lengths of a rod \[L\] next to a node that carries an obstacle of this level, within which a rod that turns by
+/// half a turn may still be in it; contact leaves out whole segments.
 fn beside_node(model: &Model, (obstacle, level): (&Obstacle, f64), rod: usize) -> Vec<[f64; 2]> {
     let spacing = model.rods[rod].spacing();
     let widened = |[from, to]: [f64; 2]| [from - spacing, to + spacing];
     model.left_out(obstacle, level, rod).into_iter().map(widened).collect()
 }
 
-/// Overlap that the law leaves, in radii of the thinnest rod: twice its tolerance, and what a penalty is reported to leave.
+/// Overlap that the law leaves, in radii of the thinnest rod: twice its tolerance, and what a penalty is reported to
+/// leave.
 fn allowed(law: &ContactLaw, penetration: f64) -> f64 {
     match law {
         ContactLaw::AugmentedLagrangian { tol_penetration, .. } | ContactLaw::ByMesh { tol_penetration, .. } => {

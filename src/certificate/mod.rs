@@ -1,8 +1,8 @@
 //! The certificate of a state: what holds of it, by the model and the state alone.
 //!
 //! A solver that tests its own work repeats its own errors. The checks here share no assembly, no contact law and no
-//! prediction with it: they have their own strains, forces and searches, and see of the rest only what is reported of it (contact
-//! forces, reactions). Each is a few lines with its formula.
+//! prediction with it: they have their own strains, forces and searches, and see of the rest only what is reported of
+//! it (contact forces, reactions). Each is a few lines with its formula.
 //!
 //! | | |
 //! |---|---|

@@ -1,16 +1,16 @@
 //! Directions of contact forces.
 //!
 //! ```text
-//! n(s) = (r(s) − r(t))/|r(s) − r(t)|      r(t) the point of the partner's part that is nearest to r(s), and the other way round
+//! n(s) = (r(s) − r(t))/|r(s) − r(t)|      r(t) the nearest point of the partner's part; and the other way round
 //! ∠(F, n̄) ≤ α,  cos α ≤ |F|/∫p ds ≤ 1     n̄ the direction of Σ n, α the largest angle of a normal from it
 //! ```
 //!
-//! Contact has no friction, and pushes. So the force of a site is a sum of its normals with weights that are not negative: it lies
-//! in the cone of all of them, and is as long as such a sum. Normals are those of the elements' own centreline at points along
-//! the site. Curves that are smooth through the nodes have normals that differ by the mesh's resolution over the distance.
-//! Of strands that wind about each other by half a turn or more only |F| ≤ ∫p ds is left. Half of the pressure acts at points of
-//! either strand, so the cone is that of the normals of both. Where feet run forth and back, what is counted twice is subtracted
-//! as a site of its own, of negative pressure: the balance has it.
+//! Contact has no friction, and pushes. So the force of a site is a sum of its normals with weights that are not
+//! negative: it lies in the cone of all of them, and is as long as such a sum. Normals are those of the elements' own
+//! centreline at points along the site. Curves that are smooth through the nodes have normals that differ by the mesh's
+//! resolution over the distance. Of strands that wind about each other by half a turn or more only |F| ≤ ∫p ds is left.
+//! Half of the pressure acts at points of either strand, so the cone is that of the normals of both. Where feet run
+//! forth and back, what is counted twice is subtracted as a site of its own, of negative pressure: the balance has it.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -19,7 +19,8 @@ use super::obstacles::at_obstacle;
 use super::{Check, ContactForce, Counterpart, Subject, Worst};
 use crate::math::Vec3;
 
-/// Points along a site at least and at most: an end of a site is a normal, and a line of more turns between them than that counts.
+/// Points along a site at least and at most: an end of a site is a normal, and a line of more turns between them than
+/// that counts.
 const POINTS: [usize; 2] = [4, 32];
 /// Angle beyond the cone, times the force over the largest one, that is explained by forces being known to 1e-6 of the
 /// largest one.
@@ -55,7 +56,8 @@ pub(super) fn check(subject: &Subject, arcs: &Arcs) -> Option<Check> {
     Some(Check::new("normals", worst.value, TOL_ANGLE, worst.detail(UNIT)))
 }
 
-/// Angle by which a force is beyond a cone, or shorter than it may be; by how much it is longer than the pressure carries.
+/// Angle by which a force is beyond a cone, or shorter than it may be; by how much it is longer than the pressure
+/// carries.
 fn beyond(at: &ContactForce, cone: Option<&Cone>) -> f64 {
     let part = at.force.norm() / at.carried;
     let longer = (part - 1.0).max(0.0);
@@ -129,8 +131,8 @@ impl Normals {
     }
 }
 
-/// The point of some arcs that is nearest to a point, and by how much smooth curves lie beside it there; `None` at an end of
-/// them that is none of the `tips` of the rod.
+/// The point of some arcs that is nearest to a point, and by how much smooth curves lie beside it there; `None` at an
+/// end of them that is none of the `tips` of the rod.
 fn nearest((arcs, tips): &(Vec<Arc>, [f64; 2]), point: &Vec3) -> Option<(Vec3, f64)> {
     let mut best: Option<(f64, usize, f64)> = None;
     for (k, arc) in arcs.iter().enumerate() {

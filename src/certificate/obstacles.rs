@@ -1,5 +1,5 @@
-//! Distances from obstacles and normals of them: points are carried back to where the obstacle was at the start, and turned back
-//! with the frame of a node that carries it.
+//! Distances from obstacles and normals of them: points are carried back to where the obstacle was at the start, and
+//! turned back with the frame of a node that carries it.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,8 @@ fn turned(hinge: &Hinge, r: &Vec3, turns: f64) -> Vec3 {
     r * cos + a.cross(r) * sin + a * (a.dot(r) * (1.0 - cos))
 }
 
-/// For a point its distance from the surface of an obstacle, on its rods' side \[L\], and the direction in which that grows.
+/// For a point its distance from the surface of an obstacle, on its rods' side \[L\], and the direction in which that
+/// grows.
 pub(super) fn at_obstacle(subject: &Subject, index: usize) -> impl Fn(&Vec3) -> (f64, Vec3) {
     let (model, state) = (subject.model, subject.state);
     let obstacle = &model.obstacles[index];

@@ -120,8 +120,8 @@ impl StrainPoint {
         Quat::new_normalize(self.z)
     }
 
-    /// Force and moment of a node by a variation δr_a, θ_a of it, of the energy n·(δr′ − φ × r′) + m·φ′ a length, φ the rotation
-    /// of the interpolated frame: φ = Σ N_a (c_a θ_a + θ_a × v_a)/|z|² with c_a + v_a = q_a z̄.
+    /// Force and moment of a node by a variation δr_a, θ_a of it, of the energy n·(δr′ − φ × r′) + m·φ′ a length, φ the
+    /// rotation of the interpolated frame: φ = Σ N_a (c_a θ_a + θ_a × v_a)/|z|² with c_a + v_a = q_a z̄.
     pub(super) fn node_force(&self, a: usize, q: &Quaternion<f64>, force: &Vec3, moment: &Vec3) -> (Vec3, Vec3) {
         let (zz, dzz) = (self.z.norm_squared(), 2.0 * self.z.dot(&self.dz));
         let (here, rate) = (q * self.z.conjugate(), q * self.dz.conjugate());

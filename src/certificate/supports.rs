@@ -1,15 +1,16 @@
-//! What is prescribed of nodes: supports hold them where stages have put them, joints hold them together, frames are unit
-//! quaternions, and no frame turns past half a turn against its neighbour.
+//! What is prescribed of nodes: supports hold them where stages have put them, joints hold them together, frames are
+//! unit quaternions, and no frame turns past half a turn against its neighbour.
 //!
 //! ```text
 //! supports   |x_k − x_k*|/h and the angle about axis k between q and q*, k held; x*, q* by the ramps from the start
-//! joints     |(x_a − x_b) − (x_a − x_b)₀|/h; rigid: angle between q̄_a q_b and (q̄_a q_b)₀; hinge: angle between both axes
+//! joints     |(x_a − x_b) − (x_a − x_b)₀|/h
+//!            rigid: angle between q̄_a q_b and (q̄_a q_b)₀; hinge: angle between both axes
 //! frames     | |q| − 1 |
 //! turning    angle between neighbours, turns, at most `MAX_TURN`
 //! ```
 //!
-//! h is the node spacing. Positions have two parts, and each of the moves that led to a state is rounded in the second one:
-//! tolerances are those of frames, products of unit quaternions.
+//! h is the node spacing. Positions have two parts, and each of the moves that led to a state is rounded in the second
+//! one: tolerances are those of frames, products of unit quaternions.
 
 use std::f64::consts::TAU;
 
@@ -20,8 +21,8 @@ use crate::rod::MAX_TURN;
 use crate::scene::{JointKind, Model, NodeRef, Pose, Ramp, Stage, SupportChange};
 use crate::solve::Given;
 
-/// Largest deviation of a supported or joined node, node spacings or rad, because a frame is the product of one rotation an
-/// iteration, each rounded to 1e-16, and the largest of all scenes' is 4e-12.
+/// Largest deviation of a supported or joined node, node spacings or rad, because a frame is the product of one
+/// rotation an iteration, each rounded to 1e-16, and the largest of all scenes' is 4e-12.
 const TOL_POSE: f64 = 1e-10;
 /// Largest deviation of a quaternion's length from 1, some units in the last place.
 const TOL_UNIT: f64 = 1e-14;
@@ -134,8 +135,8 @@ struct Due {
 }
 
 impl Due {
-    /// Of a node after a fraction of a stage; `None` where that is not known: the node was held on the way of another run, or
-    /// is joined to one that is brought to a pose, or pinned to one that is carried round an axis.
+    /// Of a node after a fraction of a stage; `None` where that is not known: the node was held on the way of another
+    /// run, or is joined to one that is brought to a pose, or pinned to one that is carried round an axis.
     fn of(given: &Given, node: NodeRef, stage: usize, fraction: f64) -> Option<Self> {
         let rod = given.model.rods.get(node.rod)?;
         let (position, frame) = (*rod.positions.get(node.node)?, *rod.frames.get(node.node)?);

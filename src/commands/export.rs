@@ -11,7 +11,8 @@ use super::CONVERGED;
 use super::print::say;
 
 #[derive(Args)]
-#[command(group(clap::ArgGroup::new("format").args(["oxdna", "xyz", "vect", "pdb", "par", "ref_frames", "npy"]).required(true).multiple(true)))]
+#[command(group(clap::ArgGroup::new("format").args(["oxdna", "xyz", "vect", "pdb", "par", "ref_frames",
+    "npy"]).required(true).multiple(true)))]
 pub struct ExportArguments {
     /// Folder of the run.
     dir: PathBuf,

@@ -21,8 +21,8 @@ const TICKS: f64 = 100.0;
 /// Width of a terminal, in columns, from which bars have both times: they take up to 75.
 const WIDE: usize = 80;
 
-/// Columns of a terminal: those of the variable `COLUMNS` if it is set, else what the terminal says. None if there is no
-/// terminal.
+/// Columns of a terminal: those of the variable `COLUMNS` if it is set, else what the terminal says. None if there is
+/// no terminal.
 pub fn terminal_width(terminal: &Term) -> Option<usize> {
     let told = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok()).filter(|&columns| columns > 0);
     told.or_else(|| terminal.size_checked().map(|(_, columns)| usize::from(columns)))

@@ -40,8 +40,8 @@ pub const SWEEP_FILE: &str = r#"A sweep file:
 
 #[derive(Subcommand)]
 pub enum SweepCommand {
-    /// Make the cases of a sweep file and write them, a line a case, into a folder. Planning again with more values keeps
-    /// the rows of earlier cases.
+    /// Make the cases of a sweep file and write them, a line a case, into a folder. Planning again with more values
+    /// keeps the rows of earlier cases.
     #[command(after_long_help = SWEEP_FILE)]
     Plan {
         /// Sweep file (TOML): a base scene and its axes.
@@ -166,8 +166,8 @@ fn run(dir: &Path, run: &SweepRun, quiet: bool) -> Result<u8, InputError> {
         let Tally { before, failed, .. } = tally;
         let missing = tally.missing();
         say(format_args!(
-            "{done} cases in {seconds:.1} s ({rate:.2} a second), {failed} of them did not converge; {before} were there, \
-             {missing} are left"
+            "{done} cases in {seconds:.1} s ({rate:.2} a second), {failed} of them did not converge; {before} were \
+             there, {missing} are left"
         ));
     }
     Ok(if tally.missing() == 0 { CONVERGED } else { INTERRUPTED })

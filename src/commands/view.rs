@@ -19,7 +19,8 @@ pub struct ViewArguments {
     /// Write this binary glTF file instead of the page.
     #[arg(long, value_name = "FILE")]
     glb: Option<PathBuf>,
-    /// By which rods are coloured in the glTF file: strand, pressure (contact force per length), curvature or twist_rate.
+    /// By which rods are coloured in the glTF file: strand, pressure (contact force per length), curvature or
+    /// twist_rate.
     #[arg(long, value_name = "QUANTITY", default_value = "strand", requires = "glb")]
     color: String,
 }

@@ -35,11 +35,11 @@ use crate::math::parallel::DEAR;
 use crate::math::quadrature::gauss;
 use crate::math::{Mat3, Vec3, parallel};
 
-/// Range of the potential, in Debye lengths, because a cut-off there removes 7e-5 of the energy of parallel strands two Debye
-/// lengths apart. The potential is switched off over the last Debye length.
+/// Range of the potential, in Debye lengths, because a cut-off there removes 7e-5 of the energy of parallel strands two
+/// Debye lengths apart. The potential is switched off over the last Debye length.
 pub const RANGE: f64 = 10.0;
-/// Arc length, in Debye lengths, where the weight of points of one curve begins to rise from 0, because the measured bending
-/// stiffness contains the repulsion of nearer points. It reaches 1 at twice this.
+/// Arc length, in Debye lengths, where the weight of points of one curve begins to rise from 0, because the measured
+/// bending stiffness contains the repulsion of nearer points. It reaches 1 at twice this.
 const NEIGHBOURS: f64 = 4.0;
 /// Movement of nodes, in Debye lengths, after which pairs are searched again, because a longer list costs more than a
 /// search.
@@ -104,7 +104,8 @@ fn smooth_step(t: f64) -> [f64; 3] {
     [t * t * t * (10.0 - 15.0 * t + 6.0 * t * t), 30.0 * t * t * left * left, 60.0 * t * left * (1.0 - 2.0 * t)]
 }
 
-/// A Gauss point of the segments of a curve: parameter, weight × reference length \[L\], shape functions of the control points.
+/// A Gauss point of the segments of a curve: parameter, weight × reference length \[L\], shape functions of the control
+/// points.
 #[derive(Debug, Clone, Copy)]
 struct GaussPoint {
     u: f64,
@@ -134,8 +135,8 @@ pub(crate) struct Repulsion {
 }
 
 impl Repulsion {
-    /// For a set whose segments have equal reference lengths along each curve; three Gauss points on each piece of at most
-    /// the length `piece` \[L\].
+    /// For a set whose segments have equal reference lengths along each curve; three Gauss points on each piece of at
+    /// most the length `piece` \[L\].
     pub(crate) fn new(law: Screened, set: &CurveSet, piece: f64) -> Self {
         let length = |curve: usize| set.lengths[set.curves[curve].first];
         let points = (0..set.curves.len()).map(|curve| points(length(curve), piece)).collect();

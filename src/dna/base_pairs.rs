@@ -149,8 +149,8 @@ impl BasePairs {
         Ok(Self { sequence: Some(sequence), ..self })
     }
 
-    /// Tilt, roll, twist (degrees), shift, slide, rise (Å) from every base pair to the next, of a closed molecule also from
-    /// the last to the first.
+    /// Tilt, roll, twist (degrees), shift, slide, rise (Å) from every base pair to the next, of a closed molecule also
+    /// from the last to the first.
     #[must_use]
     pub fn steps(&self) -> Vec<[f64; 6]> {
         let count = self.positions.len();

@@ -1,19 +1,19 @@
 //! Base-pair steps taken together in blocks with effective constants, for molecules of more than some kb.
 //!
 //! A rod whose frames carry the double helix needs a node every few base pairs, for no element may turn by half a turn.
-//! A rod in blocks is the axis instead: the double helix, a whole number T of turns, is taken out of its frames evenly, so
-//! that they are the base pairs' own at both ends of the molecule. Each block has constant natural strains and a constant
-//! stiffness, such that
+//! A rod in blocks is the axis instead: the double helix, a whole number T of turns, is taken out of its frames evenly,
+//! so that they are the base pairs' own at both ends of the molecule. Each block has constant natural strains and a
+//! constant stiffness, such that
 //!
 //! * the block at rest leads from the frame and place of its first base pair to those of its last, exactly;
 //! * a force and a moment that are constant in the block's frames cost the energy that they cost in the steps, exactly:
 //!   the compliance C⁻¹ is the mean over the block of Aᵀ C(s)⁻¹ A, where A carries force and moment rigidly from the
 //!   block's own axis to the place and frame of the rod that has a constant piece a step.
 //!
-//! Neglected is how force and moment change within a block: second order in its length over that of the bends (a tenth of
-//! an end loop, say). Couplings that the helix turns round once within a block average out by themselves. The idea that
-//! blocks of steps have constants of their own is that of Skoruppa & Schiessel (2024, arXiv 2409.05510), who average over
-//! thermal motion; here the state of rest is linearised.
+//! Neglected is how force and moment change within a block: second order in its length over that of the bends (a tenth
+//! of an end loop, say). Couplings that the helix turns round once within a block average out by themselves. The idea
+//! that blocks of steps have constants of their own is that of Skoruppa & Schiessel (2024, arXiv 2409.05510), who
+//! average over thermal motion; here the state of rest is linearised.
 
 use std::f64::consts::{PI, TAU};
 
@@ -30,12 +30,12 @@ const POINTS: usize = 3;
 const MOST_TURNED: f64 = 0.9 * PI;
 
 impl Helix {
-    /// The same molecule in blocks of so many steps, or one fewer or more so that they share the molecule evenly: natural
-    /// strains and stiffness of the axis, see the [module](self).
+    /// The same molecule in blocks of so many steps, or one fewer or more so that they share the molecule evenly:
+    /// natural strains and stiffness of the axis, see the [module](self).
     ///
     /// # Errors
-    /// [`InputError::Count`] for blocks of no step; [`InputError::Inconsistent`] for a block that at rest is bent, or twisted
-    /// beyond the mean, by nearly half a turn.
+    /// [`InputError::Count`] for blocks of no step; [`InputError::Inconsistent`] for a block that at rest is bent, or
+    /// twisted beyond the mean, by nearly half a turn.
     ///
     /// ```
     /// use supercoil::dna::sequence::{Sequence, Steps};
@@ -66,8 +66,8 @@ impl Helix {
             let pose = start.to(&end);
             if excess.abs() > MOST_TURNED || pose.0.angle() > MOST_TURNED {
                 let reason = format!(
-                    "base pairs {} to {} make a block that is turned by {:.0}° and twisted by {:.0}° beyond the mean at rest: take \
-                     smaller blocks",
+                    "base pairs {} to {} make a block that is turned by {:.0}° and twisted by {:.0}° beyond the mean \
+                     at rest: take smaller blocks",
                     first + 1,
                     last + 1,
                     pose.0.angle().to_degrees(),
@@ -141,8 +141,8 @@ mod tests {
         Sequence::parse(LETTERS).unwrap().helix(&Steps::protein_dna_1998().unwrap(), false).unwrap()
     }
 
-    /// Frames of the axis at the ends of blocks are those of the base pairs there, without the turns taken out; at the end of
-    /// the molecule they are its own.
+    /// Frames of the axis at the ends of blocks are those of the base pairs there, without the turns taken out; at the
+    /// end of the molecule they are its own.
     #[test]
     fn blocks_at_rest_lead_from_base_pair_to_base_pair() {
         let (fine, steps) = (helix(), 81);
@@ -166,7 +166,8 @@ mod tests {
         }
     }
 
-    /// The energy of constant force and moment, summed over the steps by brute force: many points, forces carried in space.
+    /// The energy of constant force and moment, summed over the steps by brute force: many points, forces carried in
+    /// space.
     #[test]
     fn constant_forces_cost_the_energy_of_the_steps() {
         let fine = helix();

@@ -41,16 +41,16 @@ struct Piece {
 pub struct Bound(Vec<Piece>);
 
 impl Bound {
-    /// Reads a table: CSV with the columns `hold`, `from`, `to`, `tilt`, `roll`, `twist`, `shift`, `slide`, `rise`, one protein
-    /// (or part of one) a line. `from` and `to` are base pairs, counted from 1. `hold` is
+    /// Reads a table: CSV with the columns `hold`, `from`, `to`, `tilt`, `roll`, `twist`, `shift`, `slide`, `rise`, one
+    /// protein (or part of one) a line. `from` and `to` are base pairs, counted from 1. `hold` is
     ///
     /// * `frozen`: the steps between them stay as the sequence has them; the six numbers are 0;
     /// * `steps`: each of these steps has the six numbers for parameters;
     /// * `block`: the six numbers are those of the base pair `to` as seen from `from`, as if that were one step.
     ///
     /// # Errors
-    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] with line and value for other columns and words, base
-    /// pairs that are no whole numbers or not in order, pieces that overlap.
+    /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] with line and value for other columns and
+    /// words, base pairs that are no whole numbers or not in order, pieces that overlap.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let refuse = |reason: String| InputError::Parse { file: path.display().to_string(), reason };
         Self::parse(&read_regular(path)?).map_err(refuse)
@@ -155,7 +155,8 @@ mod tests {
         let sequence = Sequence::parse("ACGTTGCAATCCGGATTACAACGT").unwrap();
         let steps = Steps::protein_dna_1998().unwrap();
         let text = format!(
-            "{HEAD}frozen, 1, 4, 0, 0, 0, 0, 0, 0\nsteps, 4, 7, 0, 20, 30, 0, 1, 3.4\nblock, 9, 18, 10, 70, -50, 4, -8, 25\n"
+            "{HEAD}frozen, 1, 4, 0, 0, 0, 0, 0, 0\nsteps, 4, 7, 0, 20, 30, 0, 1, 3.4\n\
+             block, 9, 18, 10, 70, -50, 4, -8, 25\n"
         );
         let bound = Bound::parse(&text).unwrap();
         let (free, held) =

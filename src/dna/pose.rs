@@ -48,8 +48,8 @@ pub(crate) fn strains(parameters: &[f64; 6], spacing: f64) -> NaturalStrains {
     strains_between(&pose(parameters), spacing)
 }
 
-/// Strains that are constant over a length `spacing` (nm) and lead from one frame to another, which is turned and shifted (nm)
-/// so as seen from the first: by less than half a turn.
+/// Strains that are constant over a length `spacing` (nm) and lead from one frame to another, which is turned and
+/// shifted (nm) so as seen from the first: by less than half a turn.
 pub(crate) fn strains_between((turn, shift): &(Quat, Vec3), spacing: f64) -> NaturalStrains {
     let rotation = turn.scaled_axis();
     let (angle, cross) = (rotation.norm(), rotation.cross_matrix());

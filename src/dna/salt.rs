@@ -32,9 +32,9 @@ pub enum Charge {
     /// 16:1435). The diameters are those of the non-linear theory, confirmed by knots.
     #[default]
     Diameter,
-    /// Counterions condense until one charge is left per Bjerrum length (Manning 1978, Q. Rev. Biophys. 11:179); it sits on
-    /// a cylinder of radius a = 1 nm: ν = 1/(ℓ_B x K₁(x)), x = a/λ. The effective diameters that follow are 15 to 35 % below the
-    /// measured ones.
+    /// Counterions condense until one charge is left per Bjerrum length (Manning 1978, Q. Rev. Biophys. 11:179); it
+    /// sits on a cylinder of radius a = 1 nm: ν = 1/(ℓ_B x K₁(x)), x = a/λ. The effective diameters that follow are 15
+    /// to 35 % below the measured ones.
     Manning,
 }
 
@@ -96,8 +96,8 @@ mod tests {
         assert!(debye_length_nm(0.0).is_err());
     }
 
-    /// Manning's charge is one per Bjerrum length where the cylinder is thin against the Debye length, and less than the
-    /// one by diameters, which is known to be 15 to 35 % in diameter.
+    /// Manning's charge is one per Bjerrum length where the cylinder is thin against the Debye length, and less than
+    /// the one by diameters, which is known to be 15 to 35 % in diameter.
     #[test]
     fn charges_grow_with_salt_and_differ_as_said() {
         let mut last = [1.0 / BJERRUM_LENGTH; 2];

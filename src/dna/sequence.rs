@@ -11,8 +11,9 @@
 //! step parameters are approximated by h times those of the strains. The two agree to first order in the angles of a
 //! step; a bend of constant direction in space, as in a ring, costs the same energy in both.
 //!
-//! A node a base pair suffices; base pairs between nodes are placed by [`AtRest`](crate::dna::base_pairs::AtRest). Finer meshes resolve the displacements of base-pair centres by shift and slide,
-//! which are sharper than the strand is thick: with contact such a mesh overlaps itself and does not converge.
+//! A node a base pair suffices; base pairs between nodes are placed by [`AtRest`](crate::dna::base_pairs::AtRest).
+//! Finer meshes resolve the displacements of base-pair centres by shift and slide, which are sharper than the strand is
+//! thick: with contact such a mesh overlaps itself and does not converge.
 
 use std::path::Path;
 
@@ -81,7 +82,8 @@ enum StepList {
 
 impl Steps {
     /// "IdealDNA", the same for all sequences: straight and isotropic; twist 34.2857°, rise 3.4 Å, 0.0427 kT/deg² for
-    /// tilt and roll, 0.0597 kT/deg² for twist, 20 kT/Å² for all translations (the values of emDNA, github.com/nicocvn/emDNA).
+    /// tilt and roll, 0.0597 kT/deg² for twist, 20 kT/Å² for all translations (the values of emDNA,
+    /// github.com/nicocvn/emDNA).
     #[must_use]
     pub fn ideal() -> Self {
         let constants = [0.0427, 0.0427, 0.0597, 20.0, 20.0, 20.0];
@@ -102,14 +104,15 @@ impl Steps {
     /// force constants, each named by two of these: `roll_roll`, `roll_twist` … Missing force constants are 0. A
     /// missing step is taken from the complementary strand (`TT` from `AA`).
     ///
-    /// Where the column `step` has numbers 1, 2, … the table is one molecule's own, a line a step in its order: parameters that
-    /// depend on more than two bases, as those of cgNA+ do, computed elsewhere. Of a model whose steps are coupled with each
-    /// other give the 6×6 of each step with the others free (the inverse of its block of the covariance): couplings are lost.
+    /// Where the column `step` has numbers 1, 2, … the table is one molecule's own, a line a step in its order:
+    /// parameters that depend on more than two bases, as those of cgNA+ do, computed elsewhere. Of a model whose steps
+    /// are coupled with each other give the 6×6 of each step with the others free (the inverse of its block of the
+    /// covariance): couplings are lost.
     ///
     /// # Errors
     /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] with line and value for columns that are
-    /// unknown or missing, letters other than A, C, G, T, duplicate or missing steps, numbers out of order, force constants
-    /// that are not positive definite.
+    /// unknown or missing, letters other than A, C, G, T, duplicate or missing steps, numbers out of order, force
+    /// constants that are not positive definite.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::named(&path.display().to_string(), &read_regular(path)?)
     }
@@ -218,17 +221,18 @@ pub struct Helix {
 }
 
 impl Sequence {
-    /// A sequence from letters; white space and gaps (`-`, `.`) are ignored, upper and lower case are equal. `random:336:7`
-    /// are 336 bases drawn with the seed 7, each as likely as the others, the same on every machine; `poly:AT:336` are 336
-    /// bases of the repeated unit `AT`.
+    /// A sequence from letters; white space and gaps (`-`, `.`) are ignored, upper and lower case are equal.
+    /// `random:336:7` are 336 bases drawn with the seed 7, each as likely as the others, the same on every machine;
+    /// `poly:AT:336` are 336 bases of the repeated unit `AT`.
     ///
     /// # Errors
-    /// [`InputError::Name`] for other letters, with their position, and for other words with a colon; [`InputError::Count`]
-    /// for fewer than two bases.
+    /// [`InputError::Name`] for other letters, with their position, and for other words with a colon;
+    /// [`InputError::Count`] for fewer than two bases.
     ///
     /// ```
     /// use supercoil::dna::sequence::{Sequence, Steps};
-    /// let helix = Sequence::parse("GATTACA GATTACA")?.helix(&Steps::ideal(), true)?; // a ring: 14 base pairs, 14 steps
+    /// // a ring: 14 base pairs, 14 steps
+    /// let helix = Sequence::parse("GATTACA GATTACA")?.helix(&Steps::ideal(), true)?;
     /// assert!((helix.length - 14.0 * 0.34).abs() < 1e-12);
     /// # Ok::<(), supercoil::InputError>(())
     /// ```
@@ -275,8 +279,9 @@ impl Sequence {
         }
     }
 
-    /// Reads a FASTA file of one sequence (gaps are left out; lines that begin with `>` or `;` are its name or comments), or the topology of
-    /// two complementary strands that oxDNA has (its first line begins with a number): the first strand.
+    /// Reads a FASTA file of one sequence (gaps are left out; lines that begin with `>` or `;` are its name or
+    /// comments), or the topology of two complementary strands that oxDNA has (its first line begins with a number):
+    /// the first strand.
     ///
     /// # Errors
     /// [`InputError::File`] if it cannot be read; [`InputError::Parse`] for a second sequence, for strands that are no

@@ -32,8 +32,8 @@ pub const FILE_NAME: &str = "checkpoint.bin";
 /// A run between two steps: all data to resume it and to write its outputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// Positions and frames of all nodes as a `final_state.csv`, from which other scenes can start. The first field, because
-    /// they find it there.
+    /// Positions and frames of all nodes as a `final_state.csv`, from which other scenes can start. The first field,
+    /// because they find it there.
     pub nodes: String,
     /// Version of the program that wrote it.
     pub program: String,
@@ -133,7 +133,8 @@ impl Checkpoint {
             return Ok(());
         }
         let reason = format!(
-            "differs from the one the checkpoint was written for in {}: restore it, or run the new scene from its start",
+            "differs from the one the checkpoint was written for in {}: restore it, or run the new scene from its \
+             start",
             changed.join(" and ")
         );
         Err(InputError::Inconsistent { field: "scene".to_owned(), reason })

@@ -138,8 +138,8 @@ impl std::fmt::Display for StateComparison {
         if self.anharmonicity > VOID {
             write!(
                 f,
-                "\nvoid: at its thermal amplitude the energy along a soft mode is off the quadratic one by {:.0} %: the next \
-                 contact or saddle is as near",
+                "\nvoid: at its thermal amplitude the energy along a soft mode is off the quadratic one by {:.0} %: \
+                 the next contact or saddle is as near",
                 100.0 * self.anharmonicity
             )?;
         }

@@ -62,8 +62,8 @@ impl std::fmt::Display for Cell {
 /// Writes a table with a header line, replacing what is there.
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] if a row's length differs from the header's, [`InputError::Write`] if the file cannot be
-/// written.
+/// [`InputError::Inconsistent`] if a row's length differs from the header's, [`InputError::Write`] if the file cannot
+/// be written.
 pub fn write_table<Row>(path: &Path, header: &[&str], rows: impl IntoIterator<Item = Row>) -> Result<(), InputError>
 where
     Row: IntoIterator<Item: Into<Cell>>,
@@ -174,7 +174,8 @@ const FRAME: &str = "unit quaternion of the frame: the rotation that takes x, y,
 /// a file beside it, as `final_state_columns.csv` of `final_state.csv`.
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] if a rod's arrays differ in length, [`InputError::Write`] if the file cannot be written.
+/// [`InputError::Inconsistent`] if a rod's arrays differ in length, [`InputError::Write`] if the file cannot be
+/// written.
 pub fn write_state(path: &Path, rods: &[RodState], units: &Units) -> Result<(), InputError> {
     for (index, rod) in rods.iter().enumerate() {
         let counts = [rod.arc_lengths.len(), rod.positions.len(), rod.frames.len()];

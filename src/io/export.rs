@@ -38,9 +38,9 @@ struct Link {
     link: f64,
 }
 
-/// Base pairs of the final state in the folder of a run: of the rod named `rod` (the only one needs no name). Those of a
-/// rod with a sequence are placed as [`AtRest`] says and know their bases. Otherwise, or where `count` is another number, they
-/// are `count` equally spaced ones; default: its length over [`RISE`].
+/// Base pairs of the final state in the folder of a run: of the rod named `rod` (the only one needs no name). Those of
+/// a rod with a sequence are placed as [`AtRest`] says and know their bases. Otherwise, or where `count` is another
+/// number, they are `count` equally spaced ones; default: its length over [`RISE`].
 ///
 /// # Errors
 /// Files that are missing or unreadable; several rods and no name, or an unknown name; a unit of length other than nm;

@@ -19,8 +19,8 @@ pub struct FinalState {
 }
 
 impl FinalState {
-    /// Of the run in the folder `dir`: its end, or of a run that was stopped its last checkpoint. The scene is read from
-    /// its own file, or from `scene` where that has moved.
+    /// Of the run in the folder `dir`: its end, or of a run that was stopped its last checkpoint. The scene is read
+    /// from its own file, or from `scene` where that has moved.
     ///
     /// # Errors
     /// A folder without a final state; a scene that is not that of the run; as [`Solver::new`].
@@ -29,7 +29,8 @@ impl FinalState {
         let found = files.iter().find(|file| file.exists());
         let reason = || {
             format!(
-                "has no final state: there is neither {FINAL_STATE_BITS} nor {FILE_NAME} in it. Give the folder of a run"
+                "has no final state: there is neither {FINAL_STATE_BITS} nor {FILE_NAME} in it. Give the folder of a \
+                 run"
             )
         };
         let file = found.ok_or_else(|| InputError::File { path: dir.to_owned(), reason: reason() })?;

@@ -1,4 +1,5 @@
-//! Fingerprint of all input that decides the numbers of a run: equal for equal problems, another one for any changed number.
+//! Fingerprint of all input that decides the numbers of a run: equal for equal problems, another one for any changed
+//! number.
 
 use std::fmt::Debug;
 
@@ -119,7 +120,8 @@ mod tests {
         assert_eq!(plain.model_hash().len(), 32);
     }
 
-    /// Symptom: a changed number in a table of natural strains or stiffnesses went unnoticed: they were compared by their count.
+    /// Symptom: a changed number in a table of natural strains or stiffnesses went unnoticed: they were compared by
+    /// their count.
     #[test]
     fn numbers_along_a_rod_count() {
         use crate::rod::Along;

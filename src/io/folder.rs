@@ -54,8 +54,8 @@ pub(super) fn check(dir: &Path, scene: &Scene) -> Result<(), InputError> {
     Err(InputError::Inconsistent { field: dir.display().to_string(), reason })
 }
 
-/// Leaves a copy of the scene in the folder, with the program's version, its model hash, its file and the values that were
-/// replaced.
+/// Leaves a copy of the scene in the folder, with the program's version, its model hash, its file and the values that
+/// were replaced.
 pub(super) fn describe(dir: &Path, scene: &Scene) -> Result<(), InputError> {
     let path = dir.join(SCENE);
     let (version, hash) = (env!("CARGO_PKG_VERSION"), Fingerprint::of(scene).model_hash());

@@ -99,7 +99,8 @@ pub enum View {
 /// ```
 /// use supercoil::{io::picture::{Tube, TubePicture}, math::Vec3};
 /// let ring = (0..60).map(|i| f64::from(i) * 0.1047198).map(|t| Vec3::new(t.cos(), t.sin(), 0.3 * (2.0 * t).sin()));
-/// let tube = Tube { points: ring.collect(), radii: vec![0.1], closed: true, colors: vec![[60, 120, 180]], stripe: None };
+/// let (radii, colors) = (vec![0.1], vec![[60, 120, 180]]);
+/// let tube = Tube { points: ring.collect(), radii, closed: true, colors, stripe: None };
 /// let picture = TubePicture { tubes: vec![tube], width: 320, height: 240, ..TubePicture::default() }.render()?;
 /// assert_eq!(picture.pixels().len(), 3 * 320 * 240);
 /// # Ok::<(), supercoil::InputError>(())
@@ -290,8 +291,9 @@ impl Picture {
         [self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]]
     }
 
-    /// Writes text (Latin-1, Greek, − ± ° ² ₀ ≤ ∞ and the like) with its top left corner at `[column, row]`; a capital is
-    /// `height` pixels high. What does not fit is cut off; unknown characters are boxes. Without effect on WebAssembly.
+    /// Writes text (Latin-1, Greek, − ± ° ² ₀ ≤ ∞ and the like) with its top left corner at `[column, row]`; a capital
+    /// is `height` pixels high. What does not fit is cut off; unknown characters are boxes. Without effect on
+    /// WebAssembly.
     pub fn write(&mut self, text: &str, corner: [usize; 2], height: usize, color: [u8; 3]) {
         text::write(self, text, corner, height, color);
     }

@@ -212,8 +212,8 @@ impl Record {
         state_text(&last.map_or_else(Vec::new, |last| final_state::rod_states(&self.run, last)))
     }
 
-    /// Writes answers for the final state of a run, whose other files stay as they are, and with `glb` the modes as a binary
-    /// glTF file. Returns their paths.
+    /// Writes answers for the final state of a run, whose other files stay as they are, and with `glb` the modes as a
+    /// binary glTF file. Returns their paths.
     ///
     /// # Errors
     /// [`InputError::Write`] if a file cannot be written.

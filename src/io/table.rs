@@ -20,8 +20,8 @@ pub(super) use columns::PRESCRIBED;
 #[cfg(feature = "runs")]
 pub(super) use resultants::{ResultantsOf, write_resultants};
 
-/// Accepted steps as a table for reading, one line a step, units in the head; link numbers of the first closed rod, or of
-/// an open rod if it is the only one.
+/// Accepted steps as a table for reading, one line a step, units in the head; link numbers of the first closed rod, or
+/// of an open rod if it is the only one.
 #[derive(Debug, Clone, Copy)]
 pub struct StepTable<'a> {
     /// Names of the units.
@@ -120,8 +120,8 @@ fn remark(step: &Observation) -> String {
 }
 
 impl StepTable<'_> {
-    /// The table in lines of at most `width` columns: blocks one below the other, each with the numbers of the steps and
-    /// as many columns as fit, at least one. Notes are not broken.
+    /// The table in lines of at most `width` columns: blocks one below the other, each with the numbers of the steps
+    /// and as many columns as fit, at least one. Notes are not broken.
     pub fn within(&self, width: usize) -> String {
         let columns = columns(self.units, self.steps);
         let remarks: Vec<String> = self.steps.iter().map(remark).collect();
@@ -286,10 +286,10 @@ pub(crate) struct Named<'a> {
     pub units: &'a Units,
 }
 
-/// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, length on rod a, mean force per length, smallest gap, force, crossing angle,
-/// force on rod a as a vector, the points of both centrelines where the gap is smallest (see [`SiteReport`]). Sites with
-/// obstacles follow: the obstacle's name in place of rod b's; no arc length, angle or foot on it. Units and meanings are in
-/// `sites_columns.csv`.
+/// Writes contact sites as CSV, one a line: rods and intervals of arc length, kind, length on rod a, mean force per
+/// length, smallest gap, force, crossing angle, force on rod a as a vector, the points of both centrelines where the
+/// gap is smallest (see [`SiteReport`]). Sites with obstacles follow: the obstacle's name in place of rod b's; no arc
+/// length, angle or foot on it. Units and meanings are in `sites_columns.csv`.
 ///
 /// # Errors
 /// [`InputError::Count`] if a rod has no name, [`InputError::Write`] if the file cannot be written.
@@ -357,8 +357,8 @@ const JOINT_FORCE: &str = "force of the joint on the rod as a vector";
 const JOINT_MOMENT: &str =
     "moment of the joint on the rod about the node: zero of a pin, zero about the axis of a hinge";
 
-/// Writes the forces of joints on rods as CSV, a line for each joined node; `arcs` are the arc lengths of the nodes of each
-/// rod. Units and meanings are in `joints_columns.csv`.
+/// Writes the forces of joints on rods as CSV, a line for each joined node; `arcs` are the arc lengths of the nodes of
+/// each rod. Units and meanings are in `joints_columns.csv`.
 ///
 /// # Errors
 /// As `write_sites`.
@@ -536,7 +536,8 @@ pub(super) mod tests {
         assert_eq!(columns.cells(&second)[turned], Cell::Number(-2.0));
     }
 
-    /// An only open rod has its link, writhe and twist where closed rods have theirs; a snap reports its energy with the unit.
+    /// An only open rod has its link, writhe and twist where closed rods have theirs; a snap reports its energy with
+    /// the unit.
     #[test]
     fn open_rods_and_snaps_are_told() {
         let rod = RodEnds {

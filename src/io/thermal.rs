@@ -6,8 +6,8 @@ use crate::error::InputError;
 use crate::solve::RunError;
 use crate::tangent::{ContactResponse, EquilibriumTangent, Observable, PrescribedNumber, ThermalSlope};
 
-/// The final state of a run at a thermal energy. Of pairs the first one is with free contacts, the second one with locked ones; `None`
-/// where it is not known.
+/// The final state of a run at a thermal energy. Of pairs the first one is with free contacts, the second one with
+/// locked ones; `None` where it is not known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThermalState {
     /// kT \[F·L\].
@@ -21,12 +21,13 @@ pub struct ThermalState {
 const BOTH: [ContactResponse; 2] = [ContactResponse::Free, ContactResponse::Locked];
 
 impl ThermalState {
-    /// Standard deviations of observables, and slopes of the free energy with parameters, by their names, at kT \[F·L\] (that of the
-    /// scene's temperature unless given).
+    /// Standard deviations of observables, and slopes of the free energy with parameters, by their names, at kT \[F·L\]
+    /// (that of the scene's temperature unless given).
     ///
     /// # Errors
-    /// Names of observables and parameters that are none; units without a temperature and no kT; what is known neither with free
-    /// contacts nor with locked ones, see [`EquilibriumTangent::covariance`], [`EquilibriumTangent::thermal_slope`].
+    /// Names of observables and parameters that are none; units without a temperature and no kT; what is known neither
+    /// with free contacts nor with locked ones, see [`EquilibriumTangent::covariance`],
+    /// [`EquilibriumTangent::thermal_slope`].
     pub fn new(
         state: &mut FinalState,
         thermal_energy: Option<f64>,

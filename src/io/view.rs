@@ -1,5 +1,6 @@
 //! Interactive views of a run: one page for the browser ([`Film::page`]), one glTF file for Blender, slides and viewers
-//! ([`Film::glb`]), STL of the last state ([`Film::stl`]). [`of_run`] makes a film of the folder of a run (feature `runs`).
+//! ([`Film::glb`]), STL of the last state ([`Film::stl`]). [`of_run`] makes a film of the folder of a run (feature
+//! `runs`).
 //!
 //! The page needs no network and no other file. Its 50 kB of text (`assets/view`) draw with WebGL 2: a rod is one
 //! instanced tube that its vertex shader bends along the nodes, so a step is shown by uploading its nodes. A library

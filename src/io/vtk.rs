@@ -1,8 +1,8 @@
 //! Rods for ParaView: XML PolyData (`.vtp`, one polyline a rod) and `.pvd` collections over steps.
 //!
 //! The writer covers what rods need and nothing else: points, polylines, point scalars and vectors, the rod's index as
-//! cell data, single numbers and the units of all of them as field data. Arrays are appended raw, little endian, with 64-bit byte counts
-//! (VTK XML format, version 1.0), so every f64 arrives bit for bit.
+//! cell data, single numbers and the units of all of them as field data. Arrays are appended raw, little endian, with
+//! 64-bit byte counts (VTK XML format, version 1.0), so every f64 arrives bit for bit.
 
 mod read;
 
@@ -39,8 +39,8 @@ pub struct VtkStep<'a> {
 /// Writes `rods` as one `.vtp` file, replacing what is there.
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] if an array's length differs from its rod's points; [`InputError::Name`] if two arrays of the
-/// file have one name; [`InputError::Write`] if the file cannot be written.
+/// [`InputError::Inconsistent`] if an array's length differs from its rod's points; [`InputError::Name`] if two arrays
+/// of the file have one name; [`InputError::Write`] if the file cannot be written.
 pub fn write_vtp(path: &Path, rods: &[VtkRod], step: &VtkStep) -> Result<(), InputError> {
     for (index, rod) in rods.iter().enumerate() {
         let mut lengths =
@@ -64,8 +64,8 @@ pub fn write_vtp(path: &Path, rods: &[VtkRod], step: &VtkStep) -> Result<(), Inp
     write_file(path, &polydata(rods, step, (ROD, &|rod| rod as i64)))
 }
 
-/// Writes straight lines as one `.vtp` file, replacing what is there: each line with the index of the obstacle that it shows as
-/// cell data.
+/// Writes straight lines as one `.vtp` file, replacing what is there: each line with the index of the obstacle that it
+/// shows as cell data.
 ///
 /// # Errors
 /// [`InputError::Write`] if the file cannot be written.
@@ -84,7 +84,11 @@ fn polydata(rods: &[VtkRod], step: &VtkStep, (cells, of_cell): (&str, &dyn Fn(us
     let num_points: usize = rods.iter().map(|r| r.points.len()).sum();
     let lines = rods.iter().filter(|r| !r.points.is_empty()).count();
     let (mut xml, mut data) = (String::new(), Appended::default());
-    xml.push_str("<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n");
+    xml.push_str(
+        "<?xml version=\"1.0\"?>\n\
+        <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n\
+        <FieldData>\n",
+    );
     for (name, value) in &step.numbers {
         data.floats(&mut xml, name, " NumberOfTuples=\"1\"", [*value].into_iter());
     }
@@ -95,7 +99,8 @@ fn polydata(rods: &[VtkRod], step: &VtkStep, (cells, of_cell): (&str, &dyn Fn(us
     // Writing to a String cannot fail.
     let _ = write!(
         xml,
-        "</FieldData>\n<Piece NumberOfPoints=\"{num_points}\" NumberOfVerts=\"0\" NumberOfLines=\"{lines}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<PointData>\n"
+        "</FieldData>\n<Piece NumberOfPoints=\"{num_points}\" NumberOfVerts=\"0\" NumberOfLines=\"{lines}\" \
+         NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<PointData>\n"
     );
     point_data(rods, &mut xml, &mut data);
     xml.push_str("</PointData>\n<CellData>\n");
@@ -224,7 +229,8 @@ impl PvdWriter {
         &self.entries
     }
 
-    /// Adds `files`, the parts of what is shown at time `time`, and rewrites the collection, which is thus valid after every step.
+    /// Adds `files`, the parts of what is shown at time `time`, and rewrites the collection, which is thus valid after
+    /// every step.
     ///
     /// Files in the collection's own folder (or below) are stored relative to it, so the folder can be moved.
     ///
@@ -238,7 +244,8 @@ impl PvdWriter {
             // Writing to a String cannot fail.
             let _ = writeln!(self.entries, "<DataSet timestep=\"{time:?}\" part=\"{part}\" file=\"{file}\"/>");
         }
-        let head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n";
+        let head = "<?xml version=\"1.0\"?>\n\
+            <VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n";
         write_file(&self.path, format!("{head}{}</Collection>\n</VTKFile>\n", self.entries).as_bytes())
     }
 }

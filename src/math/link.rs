@@ -50,7 +50,8 @@ const ROWS: usize = 8;
 /// let angle = |k: usize| TAU * k as f64 / 60.0;
 /// let circle: Vec<Vec3> = (0..60).map(|k| Vec3::new(angle(k).cos(), angle(k).sin(), 0.0)).collect();
 /// // d1 turns twice about the circle from its normal z
-/// let d1: Vec<Vec3> = (0..60).map(|k| circle[k] * (2.0 * angle(k)).sin() + Vec3::z() * (2.0 * angle(k)).cos()).collect();
+/// let d1 = |k: usize| circle[k] * (2.0 * angle(k)).sin() + Vec3::z() * (2.0 * angle(k)).cos();
+/// let d1: Vec<Vec3> = (0..60).map(d1).collect();
 /// let numbers = link_numbers(&circle, &d1, 0.0);
 /// assert!((numbers.link.abs() - 2.0).abs() < 1e-12 && numbers.writhe.abs() < 1e-12);
 /// ```
@@ -73,7 +74,8 @@ pub fn link_numbers(points: &[Vec3], d1: &[Vec3], seam_turns: f64) -> LinkNumber
 ///
 /// ```
 /// use supercoil::math::{Vec3, link::writhe};
-/// let trefoil = |t: f64| Vec3::new((2.0 + (3.0 * t).cos()) * (2.0 * t).cos(), (2.0 + (3.0 * t).cos()) * (2.0 * t).sin(), (3.0 * t).sin());
+/// let radius = |t: f64| 2.0 + (3.0 * t).cos();
+/// let trefoil = |t: f64| Vec3::new(radius(t) * (2.0 * t).cos(), radius(t) * (2.0 * t).sin(), (3.0 * t).sin());
 /// let knot: Vec<Vec3> = (0..90).map(|k| trefoil(std::f64::consts::TAU * k as f64 / 90.0)).collect();
 /// let mirrored: Vec<Vec3> = knot.iter().map(|p| Vec3::new(p.x, p.y, -p.z)).collect();
 /// assert!((writhe(&knot, true) + writhe(&mirrored, true)).abs() < 1e-12);
@@ -100,11 +102,11 @@ pub fn writhe(points: &[Vec3], closed: bool) -> f64 {
 /// Link of an open rod (turns): the rotation of its end relative to its start about `direction`, as long as no strand
 /// passes through another or over an end.
 ///
-/// It is Tw + Wr of the polygon `points` [any length unit] with the material direction `d1` at each, extended to infinity by
-/// straight lines along `direction` (need not be unit), which the rod's ends should be parallel to. Whatever the shape in
-/// between, the link differs from the angle of the last d1 to the first one about `direction` by an integer, to rounding.
-/// Cost as of [`writhe`] for long closed polygons, for any number of points. NaN if a number is not finite, or
-/// `direction` is zero.
+/// It is Tw + Wr of the polygon `points` [any length unit] with the material direction `d1` at each, extended to
+/// infinity by straight lines along `direction` (need not be unit), which the rod's ends should be parallel to.
+/// Whatever the shape in between, the link differs from the angle of the last d1 to the first one about `direction` by
+/// an integer, to rounding. Cost as of [`writhe`] for long closed polygons, for any number of points. NaN if a number
+/// is not finite, or `direction` is zero.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -135,8 +137,8 @@ fn extended(points: &[Vec3], by: Vec3) -> Vec<Vec3> {
     [&[first - by], points, &[last + by]].concat()
 }
 
-/// Length of straight lines for infinite ones in sums over pairs of edges, over the rod's extent, because the rest adds less
-/// than 1e-6 turns.
+/// Length of straight lines for infinite ones in sums over pairs of edges, over the rod's extent, because the rest adds
+/// less than 1e-6 turns.
 const FAR: f64 = 1e4;
 
 /// Gauss sum over all pairs of edges.
@@ -351,8 +353,8 @@ mod tests {
         assert_eq!(writhe(&eight, true), 0.0, "a figure of eight that cuts itself: the mean of +1 and -1");
     }
 
-    /// A helix about z whose ends bend into z, and which changes its sense on the way for odd `n`; d1 turns `turns` times
-    /// about a parallel field.
+    /// A helix about z whose ends bend into z, and which changes its sense on the way for odd `n`; d1 turns `turns`
+    /// times about a parallel field.
     fn line(n: usize, turns: f64) -> (Vec<Vec3>, Vec<Vec3>) {
         let at = |t: f64| {
             let radius = (TAU * t / 2.0).sin().powi(2);

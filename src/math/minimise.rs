@@ -62,8 +62,8 @@ pub fn minimum(f: impl Fn(f64) -> f64, low: f64, high: f64, tolerance: f64) -> (
         .fold((x, fx), |best, end| if end.1 < best.1 { end } else { best })
 }
 
-/// From x to the vertex of the parabola through three points (x, fx), (w, fw), (v, fv): numerator and denominator, this not
-/// negative, and 0 on a line.
+/// From x to the vertex of the parabola through three points (x, fx), (w, fw), (v, fv): numerator and denominator, this
+/// not negative, and 0 on a line.
 fn to_vertex([x, w, v]: [f64; 3], [fx, fw, fv]: [f64; 3]) -> (f64, f64) {
     let r = (x - w) * (fx - fv);
     let s = (x - v) * (fx - fw);

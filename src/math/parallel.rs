@@ -6,8 +6,8 @@
 //! caller.
 //!
 //! Threads are those of the caller's rayon pool, or of a [`Pool`]. Without the feature `parallel` there is one thread,
-//! the caller's. So it is in a process that was forked after threads had been used: they are not in the copy, and work given
-//! to them would wait for ever (Python's `multiprocessing` forks). A [`Pool`] made there has threads of its own.
+//! the caller's. So it is in a process that was forked after threads had been used: they are not in the copy, and work
+//! given to them would wait for ever (Python's `multiprocessing` forks). A [`Pool`] made there has threads of its own.
 
 use std::ops::Range;
 #[cfg(feature = "parallel")]
@@ -20,8 +20,8 @@ use rayon::prelude::*;
 
 use crate::error::InputError;
 
-/// Items per piece of work of tens to hundreds of nanoseconds each (boxes, capsules, pairs of straight segments), because
-/// a piece should take tens of microseconds.
+/// Items per piece of work of tens to hundreds of nanoseconds each (boxes, capsules, pairs of straight segments),
+/// because a piece should take tens of microseconds.
 pub(crate) const CHEAP: usize = 1024;
 /// Items per piece of work of microseconds each (elements, terms of pairs of segments), for the same reason.
 pub(crate) const DEAR: usize = 64;

@@ -4,9 +4,9 @@
 //! φ(x) = ±(δ(x) − ℓ)      δ = n·(x − p) from a plane, |x − p| from a point, |x − p − a a·(x − p)| from a line
 //! ```
 //!
-//! A body's surface is at one distance, its level ℓ, from its skeleton: a plane, a point, a line, a piece of a line. A sphere is
-//! about a point, a cylinder about a line, a capsule about a piece, a plane about itself. φ is positive where strands may be:
-//! outside (+) or inside (−). Its gradient is a unit vector, and its second derivative that of δ:
+//! A body's surface is at one distance, its level ℓ, from its skeleton: a plane, a point, a line, a piece of a line. A
+//! sphere is about a point, a cylinder about a line, a capsule about a piece, a plane about itself. φ is positive where
+//! strands may be: outside (+) or inside (−). Its gradient is a unit vector, and its second derivative that of δ:
 //!
 //! ```text
 //! ∇φ = ±e      ∇∇φ = ±(Q − e eᵀ)/δ      e = Q(x − p)/δ, Q = 1 about a point, 1 − a aᵀ about a line; 0 on a plane
@@ -51,7 +51,8 @@ pub enum Skeleton {
     },
 }
 
-/// The surface of a rigid body. Points are relative to [`Self::point`], so that they are as accurate far from the origin.
+/// The surface of a rigid body. Points are relative to [`Self::point`], so that they are as accurate far from the
+/// origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Surface {
     pub(crate) skeleton: Skeleton,

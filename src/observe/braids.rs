@@ -6,8 +6,8 @@
 //! W = (1/4π) ∫∫ (r_a′ × r_b′)·(r_a − r_b)/|r_a − r_b|³ ds dt
 //! ```
 //!
-//! of both is then the number of turns that they make about each other. It changes with the turns of their ends about each
-//! other, and by whole turns where a strand passes over an end of the other rod, or through it.
+//! of both is then the number of turns that they make about each other. It changes with the turns of their ends about
+//! each other, and by whole turns where a strand passes over an end of the other rod, or through it.
 
 use std::f64::consts::TAU;
 
@@ -56,8 +56,8 @@ pub(super) fn notes(progress: &Progress, given: &Given, start: &[Turns]) -> Vec<
             let [a, b] = pair.map(|rod| &engine.model().rods[rod].name);
             let than = if whole < 0.0 { "less" } else { "more" };
             format!(
-                "rods \"{a}\" and \"{b}\" make {} turns {than} about each other than prescribed: a strand has passed over an end \
-                 of the other rod, where nothing is in its way, or through it",
+                "rods \"{a}\" and \"{b}\" make {} turns {than} about each other than prescribed: a strand has passed \
+                 over an end of the other rod, where nothing is in its way, or through it",
                 whole.abs()
             )
         })
@@ -72,8 +72,8 @@ fn is_held(model: &Model, rod: usize) -> bool {
     !of.closed && of.section.contact_radius > 0.0 && ends.iter().all(|&end| model.fixed(end).1 == [true; 3])
 }
 
-/// Turns that ramps let the ends of two rods make about each other: where both ends of one side go round one axis, or none;
-/// `None` where ramps do anything else with them.
+/// Turns that ramps let the ends of two rods make about each other: where both ends of one side go round one axis, or
+/// none; `None` where ramps do anything else with them.
 fn prescribed(given: &Given, pair: [usize; 2], stage: usize, fraction: f64) -> Option<f64> {
     let model = &given.model;
     let mut sum = 0.0;

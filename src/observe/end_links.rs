@@ -1,8 +1,8 @@
 //! Loops that pass over an end of an open rod.
 //!
-//! A rod ends in a point, and nothing is in the way of a loop beyond it. Where both ends hold their frames, the link between
-//! them is what was prescribed for as long as no loop passes over an end, which changes it by two turns: what an end is
-//! fixed to (a bead, a wall) would not let that happen.
+//! A rod ends in a point, and nothing is in the way of a loop beyond it. Where both ends hold their frames, the link
+//! between them is what was prescribed for as long as no loop passes over an end, which changes it by two turns: what
+//! an end is fixed to (a bead, a wall) would not let that happen.
 
 use crate::math::Vec3;
 use crate::scene::ramped::{Prescribed, prescribed, ramped_name};
@@ -61,8 +61,8 @@ impl EndLinks {
         Self { rods: rods.filter_map(held).collect() }
     }
 
-    /// A note for each rod whose link is no longer that of the `start` (an earlier observation, the first of the run as a
-    /// rule) and of the turns prescribed since.
+    /// A note for each rod whose link is no longer that of the `start` (an earlier observation, the first of the run as
+    /// a rule) and of the turns prescribed since.
     pub fn notes(&self, now: &Observation, start: Option<&Observation>) -> Vec<String> {
         let Some(start) = start else { return Vec::new() };
         let link = |of: &Observation, rod: usize| of.ends.iter().find(|ends| ends.rod == rod)?.link;
@@ -76,8 +76,8 @@ impl EndLinks {
             (loops != 0.0 && (off - 2.0 * loops).abs() < TOL_TURNS).then(|| {
                 let than = if loops < 0.0 { "less" } else { "more" };
                 format!(
-                    "the link of rod \"{}\" is {} turns {than} than prescribed: a loop has passed over an end, where nothing is \
-                     in its way",
+                    "the link of rod \"{}\" is {} turns {than} than prescribed: a loop has passed over an end, where \
+                     nothing is in its way",
                     held.name,
                     2.0 * loops.abs()
                 )
@@ -186,7 +186,8 @@ mod tests {
         }
     }
 
-    /// A rod that is turned twice at one end spins with it if the other is free, which takes the same two turns as a loop.
+    /// A rod that is turned twice at one end spins with it if the other is free, which takes the same two turns as a
+    /// loop.
     #[test]
     fn a_free_end_has_no_link_to_keep() {
         let [start, end] = ends(ELEMENTS);

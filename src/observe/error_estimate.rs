@@ -10,8 +10,8 @@ use super::state::observe;
 /// Factor on the contact stiffness in the comparison of laws.
 const HARDER: f64 = 10.0;
 
-/// Factor within which the estimate of a state in contact covers its error, because contact points lie anywhere in an element,
-/// and two meshes of which one happens to suit them tell less than both are off. Measured on twisted rings
+/// Factor within which the estimate of a state in contact covers its error, because contact points lie anywhere in an
+/// element, and two meshes of which one happens to suit them tell less than both are off. Measured on twisted rings
 /// (`cargo test --test solver estimates_of_twisted_rings -- --ignored`).
 pub const COVERS: f64 = 2.5;
 
@@ -64,8 +64,8 @@ pub struct Comparison {
     pub error: Option<Differences>,
 }
 
-/// An a-posteriori estimate of a state's error, in two parts. It is no bound: in contact the error may be [`COVERS`] times
-/// the sum of both.
+/// An a-posteriori estimate of a state's error, in two parts. It is no bound: in contact the error may be [`COVERS`]
+/// times the sum of both.
 ///
 /// **Mesh**: difference to the state on twice the elements. With elements of order p smooth quantities converge as
 /// h^2p, so that the difference is the error up to a part in 4^p. Contact points lower the order to h²; then the

@@ -1,15 +1,16 @@
 //! What the mesh costs: an estimate of the energy that a finer one would change.
 //!
 //! Moments are known best at the integration points of an element, p of them for order p. Between these the polynomial
-//! through them is off by e = M⁽ᵖ⁾/p! ∏ (s − s_g), in which the p-th derivative of the moment is unknown. The polynomial of
-//! an element, continued to the first point of the next one, is off by the same formula, and there the moment is known:
+//! through them is off by e = M⁽ᵖ⁾/p! ∏ (s − s_g), in which the p-th derivative of the moment is unknown. The
+//! polynomial of an element, continued to the first point of the next one, is off by the same formula, and there the
+//! moment is known:
 //!
 //! ```text
 //! D = m_next(s₁) − P(s₁) = M⁽ᵖ⁾/p! ∏ (s₁ − s_g)       estimate: Σ ½ ∫ e · C⁻¹ e ds over elements, e as D tells
 //! ```
 //!
-//! Moments are continuous where sections or natural strains jump, which strains are not. They jump where a moment acts at a
-//! node: such ends of elements are left out, and the seams of closed rods, where frames do.
+//! Moments are continuous where sections or natural strains jump, which strains are not. They jump where a moment acts
+//! at a node: such ends of elements are left out, and the seams of closed rods, where frames do.
 
 use crate::rod::element::Material;
 use crate::scene::Fidelity;
@@ -17,18 +18,18 @@ use crate::solve::Engine;
 
 use super::report::Observation;
 
-/// Error of the energy over the estimate from moments, because at points of contact, where the moment has a kink, the energy
-/// is off by 10 to 26 times that: a planar loop whose neck closes, on 5 and on 12 elements, against 24.
+/// Error of the energy over the estimate from moments, because at points of contact, where the moment has a kink, the
+/// energy is off by 10 to 26 times that: a planar loop whose neck closes, on 5 and on 12 elements, against 24.
 const AT_POINTS: f64 = 12.0;
-/// Order of the error of the energy in the length of the elements, for the advice on their number. Smooth states have 6, points of
-/// contact 3 to 5.
+/// Order of the error of the energy in the length of the elements, for the advice on their number. Smooth states have
+/// 6, points of contact 3 to 5.
 const ADVISED_ORDER: f64 = 4.0;
 /// Moment over B/L below which a rod counts as unbent, because rounding alone bends straight rods by less.
 const UNBENT: f64 = 2e-3;
 
 /// Bending and twisting energy that a finer mesh would change, over the bending and twisting energy of the state: an
-/// estimate from the moments of neighbouring elements, of the order of the relative error of the energy. 0 for rods that are
-/// hardly bent or twisted. O(n).
+/// estimate from the moments of neighbouring elements, of the order of the relative error of the energy. 0 for rods
+/// that are hardly bent or twisted. O(n).
 pub(super) fn mesh_error(engine: &Engine, energy: f64) -> f64 {
     let model = engine.model();
     let stress = engine.actual_stress(engine.state());
@@ -64,8 +65,8 @@ pub fn mesh_note(fidelity: Fidelity, now: &Observation) -> Option<String> {
         let more = (found / stated).powf(1.0 / ADVISED_ORDER);
         let word = format!("{fidelity:?}").to_lowercase();
         format!(
-            "the bends have outgrown the mesh: the energy is off by about {found:.0e} of it, where fidelity = \"{word}\" states \
-             {stated:.0e}, and contact forces by more; {more:.1} times as many elements would do"
+            "the bends have outgrown the mesh: the energy is off by about {found:.0e} of it, where fidelity \
+             = \"{word}\" states {stated:.0e}, and contact forces by more; {more:.1} times as many elements would do"
         )
     })
 }
@@ -90,12 +91,14 @@ fn compliances(material: &Material) -> [f64; 3] {
     }
 }
 
-/// Weight of the value at integration point `g` of an element in its polynomial, at the first point of the next element.
+/// Weight of the value at integration point `g` of an element in its polynomial, at the first point of the next
+/// element.
 fn continuation(order: usize, points: &[f64], g: usize) -> f64 {
     crate::math::shape_functions::lagrange_weight(order, |k| points[k], g, 1.0 + points[0])
 }
 
-/// ∫ ∏ (s − s_g)² ds over an element of length 1, over the square of the product at the first point of the next element.
+/// ∫ ∏ (s − s_g)² ds over an element of length 1, over the square of the product at the first point of the next
+/// element.
 fn squared_error(order: usize, points: &[f64]) -> f64 {
     let product = |x: f64| points[..order].iter().map(|g| x - g).product::<f64>();
     let rule = crate::math::quadrature::gauss(5);

@@ -10,7 +10,8 @@ use crate::scene::ObstaclePose;
 use super::report::{ObstacleReaction, ObstacleSite, SiteKind};
 use super::sites::Layer;
 
-/// Distance of two contacts along a rod, in layers (B/κ)^¼ of the contact law, up to which they are one, as between rods.
+/// Distance of two contacts along a rod, in layers (B/κ)^¼ of the contact law, up to which they are one, as between
+/// rods.
 const NEAR: f64 = 2.0;
 
 /// Pieces of contact that follow each other on one rod and one obstacle, with the arc lengths that they span.

@@ -88,8 +88,8 @@ pub struct SiteReport {
     /// point contact at the load at which it opens into a line or into two points. Stiffer laws shorten the zone of a
     /// point (as κ^(−1/3)), but not a line. Contacts nearer to each other on both strands than two layers (B/κ)^¼ are
     /// one site, because the pressure of a line may vanish between nodes; so are three or more in a row, each within an
-    /// element of the next, because light pressure gathers once an element. Only contacts that press about as hard as each
-    /// other are joined, and what is joined is a line only if it is longer than an element.
+    /// element of the next, because light pressure gathers once an element. Only contacts that press about as hard as
+    /// each other are joined, and what is joined is a line only if it is longer than an element.
     pub kind: SiteKind,
     /// Smallest gap inside the zone \[L\]; negative = penetration.
     pub gap: f64,
@@ -105,7 +105,8 @@ pub struct SiteReport {
     /// Force on strand a \[F\], in the global axes; strand b bears the opposite. Shorter than `force` if the direction
     /// of the pressure varies along the zone.
     pub force_on_a: [f64; 3],
-    /// Moment of the force on strand a about the first of the `feet` \[F·L\]; strand b bears the opposite about that point.
+    /// Moment of the force on strand a about the first of the `feet` \[F·L\]; strand b bears the opposite about that
+    /// point.
     #[cfg_attr(feature = "serde", serde(default))]
     pub moment_on_a: [f64; 3],
     /// Points of the centrelines of strands a and b where the gap is smallest \[L\].
@@ -188,8 +189,8 @@ pub struct Reaction {
     pub moment: [f64; 3],
 }
 
-/// Force and moment that a joint exerts on a rod at one of its nodes, in the global axes. Those on all nodes of a joint add up to
-/// zero: what a support there exerts is a [`Reaction`].
+/// Force and moment that a joint exerts on a rod at one of its nodes, in the global axes. Those on all nodes of a joint
+/// add up to zero: what a support there exerts is a [`Reaction`].
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointForce {
@@ -323,8 +324,8 @@ pub struct Observation {
     pub step: usize,
     /// Fraction of the stage done, 0..=1.
     pub fraction: f64,
-    /// "converged", or why not; "overlap": an equilibrium in which tubes overlap where contact does not resist it; "fails …":
-    /// one of which a check of the certificate does not hold.
+    /// "converged", or why not; "overlap": an equilibrium in which tubes overlap where contact does not resist it;
+    /// "fails …": one of which a check of the certificate does not hold.
     pub status: String,
     /// Warnings about the state, as text: a snap before it; overlaps that contact does not resist (it acts between
     /// strands, not between neighbours along one, so a rod bent more tightly than its contact radius overlaps itself);
@@ -335,11 +336,11 @@ pub struct Observation {
     pub links: Vec<RodLink>,
     /// Energies by kind.
     pub energies: Energies,
-    /// Smallest gap of the elements' own centrelines, which carry the energy; `None` when nothing is within two diameters of the
-    /// thinnest rod, or contact is off.
+    /// Smallest gap of the elements' own centrelines, which carry the energy; `None` when nothing is within two
+    /// diameters of the thinnest rod, or contact is off.
     pub min_gap: Option<GapReport>,
-    /// Smallest gap of the smooth curves through the nodes between which contact acts, certified: what the solver closes. `min_gap`
-    /// differs from it by what the mesh does not resolve.
+    /// Smallest gap of the smooth curves through the nodes between which contact acts, certified: what the solver
+    /// closes. `min_gap` differs from it by what the mesh does not resolve.
     #[cfg_attr(feature = "serde", serde(default))]
     pub contact_gap: Option<GapReport>,
     /// Number of contact sites, those with obstacles included.
@@ -375,8 +376,8 @@ pub struct Observation {
     /// Forces of joints on the rods, one entry for each joined node.
     #[cfg_attr(feature = "serde", serde(default))]
     pub joints: Vec<JointForce>,
-    /// Bending and twisting energy that a finer mesh would change, over that of the state: an estimate, of the order of the
-    /// relative error of the energy. A [`Fidelity`](crate::scene::Fidelity) states how much its mesh should leave.
+    /// Bending and twisting energy that a finer mesh would change, over that of the state: an estimate, of the order of
+    /// the relative error of the energy. A [`Fidelity`](crate::scene::Fidelity) states how much its mesh should leave.
     #[cfg_attr(feature = "serde", serde(default))]
     pub mesh_error: f64,
     /// What holds of the state, by checks that share nothing with the solver.
@@ -385,7 +386,8 @@ pub struct Observation {
     /// Number of unstable directions of the accepted state.
     pub num_unstable: usize,
     /// Energy set free by a snap of this step \[F·L\], see
-    /// [`StepReport::energy_released`](crate::solve::StepReport::energy_released); 0 where the rods followed a stable path.
+    /// [`StepReport::energy_released`](crate::solve::StepReport::energy_released); 0 where the rods followed a stable
+    /// path.
     #[cfg_attr(feature = "serde", serde(default))]
     pub energy_released: f64,
     /// Newton iterations spent on this step (all outer loops).

@@ -1,16 +1,17 @@
 //! Contact sites for reports: the pieces of contact zones, segment by segment and seen from both strands, merged into
 //! contacts.
 //!
-//! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*. Pieces
-//!    that the potential subtracts (farthest points between two nearest ones, see [`zones`](crate::contact::zones)) make the
-//!    zones on both sides of them one *fold*, so that forces of sites sum to those that the rods feel.
-//! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*, and so
-//!    are those of a fold. Its force is the sum over all its zones, because each view carries its share of it.
+//! 1. Pieces of one strand that follow each other, and whose feet follow each other on the other strand, make a *zone*.
+//!    Pieces that the potential subtracts (farthest points between two nearest ones, see
+//!    [`zones`](crate::contact::zones)) make the zones on both sides of them one *fold*, so that forces of sites sum to
+//!    those that the rods feel.
+//! 2. Zones seen from strand a and zones seen from strand b that overlap on both strands are views of one *site*, and
+//!    so are those of a fold. Its force is the sum over all its zones, because each view carries its share of it.
 //! 3. Sites nearer to each other on both strands than the width of the contact law, or in a row of three or more each
 //!    within an element of the next, are fragments of one; a short and weak one beside a strong one is a ripple of it
 //!    (`fragments`).
-//! 4. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`], and
-//!    longer than an element: where in an element pressure gathers is not known.
+//! 4. A site is a *line* if it is half again as long as a point can be under the contact law, see [`shortest_line`],
+//!    and longer than an element: where in an element pressure gathers is not known.
 
 use crate::contact::arc::{self, ascending, near};
 use crate::contact::chain::{ChainPiece, TOL_FOOT, chains};
@@ -33,8 +34,8 @@ pub(super) use lines::{lines, spread};
 const TOL_ARC: f64 = 1e-6;
 /// Force of a site, over that of the strongest, that is none, because contact forces are known to 1e-6.
 const CARRIES: f64 = 1e-6;
-/// Length of the zone of a point contact that opens, over the spread of its pressure: 2a/√(∫ws² ds/∫w ds) of the solution w
-/// in [`shortest_line`].
+/// Length of the zone of a point contact that opens, over the spread of its pressure: 2a/√(∫ws² ds/∫w ds) of the
+/// solution w in [`shortest_line`].
 const ZONE_OVER_SPREAD: f64 = 4.369_219_575_688_655;
 
 /// A piece or a zone as seen from strand a: arc lengths \[L\], not reduced to one period on closed curves.
@@ -122,7 +123,8 @@ impl Layer {
     }
 
     /// Length over which pressure is known, along strand `a` \[L\]: the law spreads it over the layer, and elements
-    /// gather it. Smoothed with a Gaussian of half an element, what varies from element to element is reduced to 2 exp(−π²/2) = 1.4 %.
+    /// gather it. Smoothed with a Gaussian of half an element, what varies from element to element is reduced to 2
+    /// exp(−π²/2) = 1.4 %.
     pub(super) fn resolution(&self, a: usize, b: usize) -> f64 {
         self.width(a, b).max(0.5 * self.elements[a])
     }
@@ -144,8 +146,8 @@ pub(super) fn sites(set: &CurveSet, terms: &[ContactPair], rods: &[usize], layer
     sites
 }
 
-/// Whether strands touch at a site, where the strongest carries a force: one that carries nothing and is open is only within
-/// the law's reach.
+/// Whether strands touch at a site, where the strongest carries a force: one that carries nothing and is open is only
+/// within the law's reach.
 fn touches(site: &SiteReport, strongest: f64) -> bool {
     // of a folded contact the parts may have opposite signs: none is left out that acts on the rods
     let carried = site.force.abs().max(Vec3::from(site.force_on_a).norm());
@@ -386,8 +388,8 @@ impl<'a> ContactZones<'a> {
         seen(0) - seen(1)
     }
 
-    /// Whether it is long enough for a line: by its spread, so that what a mesh leaves of pressure beside a point hardly
-    /// counts.
+    /// Whether it is long enough for a line: by its spread, so that what a mesh leaves of pressure beside a point
+    /// hardly counts.
     fn kind(self, layer: &Layer, spread: f64) -> SiteKind {
         let [a, b] = self.curves();
         let length = ZONE_OVER_SPREAD * spread;

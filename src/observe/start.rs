@@ -34,8 +34,8 @@ pub struct StartOverlap {
 /// probably not intended.
 ///
 /// # Errors
-/// Models that [`Engine::new`] refuses; start shapes too coarse for contact, or with more candidates of contact than there
-/// is memory for.
+/// Models that [`Engine::new`] refuses; start shapes too coarse for contact, or with more candidates of contact than
+/// there is memory for.
 pub fn start_overlaps(model: &Model) -> Result<Vec<StartOverlap>, RunError> {
     let mut engine = Engine::new(model.clone(), None).map_err(RunError::Input)?;
     let state = engine.state().clone();
@@ -80,7 +80,8 @@ impl fmt::Display for StartOverlap {
             )?;
             write!(
                 f,
-                " together; contact parts them, if it can, to the side on which the centrelines happen to be: move one of them"
+                " together; contact parts them, if it can, to the side on which the centrelines happen to be: move \
+                 one of them"
             )
         } else {
             write!(

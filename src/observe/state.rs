@@ -55,8 +55,8 @@ pub const OVERLAP: &str = "overlap";
 /// Beginning of the [`Observation::status`] of an equilibrium of which a check of the certificate does not hold.
 pub(super) const FAILING: &str = "fails ";
 
-/// The end of a run whose last step is `last`, in words: of a run that converged, the status of its last step, which may
-/// be [`OVERLAP`] or a check that fails.
+/// The end of a run whose last step is `last`, in words: of a run that converged, the status of its last step, which
+/// may be [`OVERLAP`] or a check that fails.
 pub fn ending(status: Status, last: Option<&Observation>) -> String {
     let last = last.filter(|_| status == Status::Converged);
     last.map_or_else(|| status.to_string(), |last| last.status.clone())
@@ -186,8 +186,8 @@ fn certificate(
     progress.engine.install(|| Certificate::of(&subject))
 }
 
-/// The number of directions in which the energy falls, counted under the law requested or, where the mesh does not carry it, the
-/// softer one that a note names.
+/// The number of directions in which the energy falls, counted under the law requested or, where the mesh does not
+/// carry it, the softer one that a note names.
 fn stability(progress: &Progress) -> Option<Check> {
     progress.given.filter(|given| given.only_stable)?;
     let count = progress.report.num_unstable as f64;
@@ -199,8 +199,8 @@ pub fn contact_sites(engine: &Engine) -> Vec<SiteReport> {
     sites_of(engine, &engine.residual(engine.state()))
 }
 
-/// Contact along the lines of the engine's state: pressure and gap at points half the contact law's width, or a quarter of
-/// an element, apart.
+/// Contact along the lines of the engine's state: pressure and gap at points half the contact law's width, or a quarter
+/// of an element, apart.
 pub fn contact_lines(engine: &Engine) -> Vec<LineSample> {
     let residual = engine.residual(engine.state());
     engine
@@ -210,9 +210,9 @@ pub fn contact_lines(engine: &Engine) -> Vec<LineSample> {
 }
 
 /// Contact force per length at the nodes of every rod \[F/L\], as lines have their pressure: the force on each node is
-/// spread with a Gaussian over the width of the contact law, or half an element if that is more. What varies from element
-/// to element, which is due to the mesh, is gone; times the nodes' shares of the length it sums to the same resultant.
-/// `fields` are [`Engine::all_nodal_fields`].
+/// spread with a Gaussian over the width of the contact law, or half an element if that is more. What varies from
+/// element to element, which is due to the mesh, is gone; times the nodes' shares of the length it sums to the same
+/// resultant. `fields` are [`Engine::all_nodal_fields`].
 pub fn smoothed_contact_forces(engine: &Engine, fields: &[NodalFields]) -> Vec<Vec<Vec3>> {
     let raw = || fields.iter().map(|fields| fields.contact_force.clone());
     let Some(side) = &engine.contact else { return raw().collect() };
@@ -335,8 +335,8 @@ fn notes(progress: &Progress, released: f64) -> Vec<String> {
     let softer = (stiffness_reduction > NOTED).then(|| {
         let digits = if stiffness_reduction < 10.0 { 1 } else { 0 };
         format!(
-            "the mesh does not carry the contact law asked for: one {stiffness_reduction:.digits$} times softer is in force, which widens \
-             points of contact; gaps are closed all the same"
+            "the mesh does not carry the contact law asked for: one {stiffness_reduction:.digits$} times softer is in \
+             force, which widens points of contact; gaps are closed all the same"
         )
     });
     snap.into_iter().chain(softer).collect()
@@ -360,8 +360,8 @@ fn overlaps(
         let Bend { arc, tightness, .. } = engine.tightest_bend_of(rod);
         (tightness > 1.0).then(|| {
             format!(
-                "rod \"{name}\" is bent {tightness:.2} times as tightly as its contact radius allows, at arc {arc:.4}: it \
-                 overlaps itself there, which contact does not resist"
+                "rod \"{name}\" is bent {tightness:.2} times as tightly as its contact radius allows, at arc \
+                 {arc:.4}: it overlaps itself there, which contact does not resist"
             )
         })
     });

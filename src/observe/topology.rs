@@ -1,7 +1,7 @@
 //! Links and knots, compared with what was prescribed and with the shapes as given.
 //!
-//! Strands that contact keeps apart cannot change the link of a closed rod, its knot, or the linking number of two: that is a
-//! check. Without contact they may, and a knot may slip off an open rod: that is noted.
+//! Strands that contact keeps apart cannot change the link of a closed rod, its knot, or the linking number of two:
+//! that is a check. Without contact they may, and a knot may slip off an open rod: that is noted.
 
 use super::braids;
 use super::knots;
@@ -11,8 +11,8 @@ use crate::rod::RodNumber;
 use crate::scene::Ramp;
 use crate::solve::{Given, GivenTopology, Progress};
 
-/// Largest deviation of a link from what is prescribed, turns, because it is measured on polygons, where it is exact but
-/// for rounding, and changes by whole turns.
+/// Largest deviation of a link from what is prescribed, turns, because it is measured on polygons, where it is exact
+/// but for rounding, and changes by whole turns.
 const TOL_TURNS: f64 = 1e-3;
 
 /// Checks of what contact keeps, and notes of what has changed where nothing was in the way.

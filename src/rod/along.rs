@@ -20,8 +20,8 @@ const TOL_LENGTH: f64 = 1e-6;
 ///
 /// Elements use values at their integration points. Constant pieces are averaged over each point's share of its
 /// element, a part as long as the point's weight: no piece is missed, and the integral along the rod is exact. Points
-/// and functions are evaluated at the integration points. Natural strains that jump inside an element are those that its
-/// interpolation has on the stress-free rod, see [`Natural::Varying`](crate::rod::Natural).
+/// and functions are evaluated at the integration points. Natural strains that jump inside an element are those that
+/// its interpolation has on the stress-free rod, see [`Natural::Varying`](crate::rod::Natural).
 ///
 /// ```
 /// use supercoil::rod::Along;
@@ -75,8 +75,9 @@ impl<T: Averaged> Along<T> {
         Self(Arc::new(Kind::Function(Box::new(of_arc))))
     }
 
-    /// The quantity `of` makes of this one at each arc length, over arc lengths `factor` times as long: pieces stay pieces,
-    /// points stay points. `of` takes arc lengths before they are multiplied: the end of a piece, 0 for a constant.
+    /// The quantity `of` makes of this one at each arc length, over arc lengths `factor` times as long: pieces stay
+    /// pieces, points stay points. `of` takes arc lengths before they are multiplied: the end of a piece, 0 for a
+    /// constant.
     ///
     /// ```
     /// use supercoil::rod::Along;
@@ -154,7 +155,8 @@ impl<T: Averaged> Along<T> {
         out.map(|value| value.or(out[0]).unwrap_or_else(|| self.at(start)))
     }
 
-    /// Whether constant pieces of different values meet between two arc lengths. A joint within rounding of an end is none.
+    /// Whether constant pieces of different values meet between two arc lengths. A joint within rounding of an end is
+    /// none.
     pub(crate) fn jumps_between(&self, from: f64, to: f64) -> bool {
         let Kind::Pieces(ends, values) = &*self.0 else { return false };
         let margin = TOL_JOINT * (to - from);
@@ -162,7 +164,8 @@ impl<T: Averaged> Along<T> {
         values[first..=last].windows(2).any(|pair| pair[0] != pair[1])
     }
 
-    /// The constant pieces from one arc length to another: their values and lengths; `None` if it is not made of pieces.
+    /// The constant pieces from one arc length to another: their values and lengths; `None` if it is not made of
+    /// pieces.
     pub(crate) fn pieces_between(&self, from: f64, to: f64) -> Option<Vec<(T, f64)>> {
         let (ends, values): (&[f64], &[T]) = match &*self.0 {
             Kind::Pieces(ends, values) => (ends, values),
@@ -186,8 +189,8 @@ impl<T: Averaged> Along<T> {
         }
     }
 
-    /// The rows of a table that act between two arc lengths, as a table of their own, and which they are. All of a constant
-    /// or a function, which have none.
+    /// The rows of a table that act between two arc lengths, as a table of their own, and which they are. All of a
+    /// constant or a function, which have none.
     pub(crate) fn rows_between(&self, from: f64, to: f64) -> (Self, Range<usize>) {
         match &*self.0 {
             Kind::Pieces(ends, values) => {

@@ -69,7 +69,8 @@ impl Rod {
                 return Ok(());
             }
             let reason = format!(
-                "turns by {turns:.3e} turns from node to node{at}, more than {MAX_TURN}: use more elements, or less natural curvature and twist"
+                "turns by {turns:.3e} turns from node to node{at}, more than {MAX_TURN}: use more elements, or less \
+                 natural curvature and twist"
             );
             Err(InputError::Inconsistent { field: format!("{path}.natural.kappa"), reason })
         };
@@ -137,7 +138,8 @@ impl Rod {
         let seam = self.closed && b == 0;
         if !seam && turns > MAX_TURN {
             return refuse(format!(
-                "the frames of nodes {a} and {b} are nearly half a turn apart ({turns:.3} turns; at most {MAX_TURN}): use more elements"
+                "the frames of nodes {a} and {b} are nearly half a turn apart ({turns:.3} turns; at most {MAX_TURN}): \
+                 use more elements"
             ));
         }
         let (d3_a, d3_b) = (self.frames[a] * Vec3::z(), self.frames[b] * Vec3::z());

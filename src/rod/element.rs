@@ -117,8 +117,9 @@ impl ElementProperties<'_> {
 
 /// Strains P_i/|z|² of an element in space or in the plane: R components of r', Z of z, S strains.
 ///
-/// Without these three lengths both would have those of space, and the plane would fill the first entries: cubic elements
-/// then take 1.25 times as long in the plane and 1.12 times in space (residual and tangent, with five lengths).
+/// Without these three lengths both would have those of space, and the plane would fill the first entries: cubic
+/// elements then take 1.25 times as long in the plane and 1.12 times in space (residual and tangent, with five
+/// lengths).
 trait Kinematics<const R: usize, const Z: usize, const S: usize> {
     /// Kind of each strain.
     const KIND: [Deformation; S];

@@ -26,7 +26,8 @@ impl Rod {
     /// use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
     /// let circle = Shape::Circle { length: 1.0, center: Vec3::zeros(), normal: Vec3::z() };
     /// let section = Section::isotropic(1.0, 1.5, 1e5, 1e5, 0.01);
-    /// let ring = Rod::new("ring", &circle, RodMesh::closed(12, 3), section, Natural::Straight)?.with_excess_link(1.5)?;
+    /// let ring = Rod::new("ring", &circle, RodMesh::closed(12, 3), section, Natural::Straight)?;
+    /// let ring = ring.with_excess_link(1.5)?;
     /// assert!((ring.start_excess_link - 1.5).abs() < 1e-12);
     /// # Ok::<(), supercoil::InputError>(())
     /// ```
@@ -44,8 +45,8 @@ impl Rod {
         let missing = turns - self.start_excess_link;
         if (missing / nodes).abs() > MAX_TURN {
             let reason = format!(
-                "{turns} turns, of which {missing:.6} are twist, are more than {MAX_TURN} turns between neighbouring nodes ({nodes} \
-                 nodes): use more elements"
+                "{turns} turns, of which {missing:.6} are twist, are more than {MAX_TURN} turns between neighbouring \
+                 nodes ({nodes} nodes): use more elements"
             );
             return Err(InputError::Inconsistent { field, reason });
         }
@@ -103,8 +104,8 @@ impl Rod {
         self.natural_link() + self.turns_left_out
     }
 
-    /// Closed rods: link Tw + Wr of the start state, turns. The frame at s = L is the frame at 0 turned by it about d3, so
-    /// its fraction is the turn of the seam.
+    /// Closed rods: link Tw + Wr of the start state, turns. The frame at s = L is the frame at 0 turned by it about d3,
+    /// so its fraction is the turn of the seam.
     pub(crate) fn start_link(&self) -> f64 {
         self.start_excess_link + self.natural_link()
     }

@@ -30,8 +30,8 @@ pub enum Natural {
     },
     /// Natural strains Γ1 Γ2 Γ3 (1: neither stretched nor sheared) and K1 K2 K3 \[1/L\] along the rod, in the material
     /// frame: six numbers per integration point are stored. Functions keep the full order of the elements, and so do
-    /// constant pieces that elements do not cut. An element in which pieces meet has the strains of its interpolation with
-    /// its nodes on the stress-free rod: a rod that nothing holds lies there, at its nodes, on any mesh.
+    /// constant pieces that elements do not cut. An element in which pieces meet has the strains of its interpolation
+    /// with its nodes on the stress-free rod: a rod that nothing holds lies there, at its nodes, on any mesh.
     ///
     /// ```
     /// use supercoil::rod::{Along, Natural};

@@ -34,8 +34,9 @@ pub enum RodNumber {
     Binding,
 }
 
-/// A natural state of which a part is in force: free strains + part × (bound strains − free strains), six numbers along the
-/// rod. Where a rod does not get to its natural state from its start shape by itself, the part is ramped from 0 to 1.
+/// A natural state of which a part is in force: free strains + part × (bound strains − free strains), six numbers along
+/// the rod. Where a rod does not get to its natural state from its start shape by itself, the part is ramped from 0 to
+/// 1.
 #[derive(Debug, Clone)]
 pub struct Binding {
     /// Natural strains at 0.
@@ -134,8 +135,8 @@ impl Rod {
     ///
     /// # Errors
     /// A stiffness, length or contact radius that is not positive; the contact radius of a rod that takes no part in
-    /// contact, or whose radius varies along it; stiffnesses of a rod with a full stiffness; length and natural strains of
-    /// rods whose natural strains, or radii, vary along them; a binding of rods without one, or beyond 0 to 1.
+    /// contact, or whose radius varies along it; stiffnesses of a rod with a full stiffness; length and natural strains
+    /// of rods whose natural strains, or radii, vary along them; a binding of rods without one, or beyond 0 to 1.
     pub(crate) fn check_number(&self, field: &str, which: RodNumber, to: f64) -> Result<(), InputError> {
         let refuse = |reason: &str| {
             let reason = format!("rod \"{}\" {reason}", self.name);

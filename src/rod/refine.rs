@@ -201,8 +201,8 @@ mod tests {
         assert!(twisted.with_excess_link(4.0).unwrap().coarsened(3).is_none());
     }
 
-    /// Symptom: a factor too large for any rod panicked instead of being refused. Mechanism: the nodes were interpolated
-    /// before they were counted. Threshold: ten million nodes.
+    /// Symptom: a factor too large for any rod panicked instead of being refused. Mechanism: the nodes were
+    /// interpolated before they were counted. Threshold: ten million nodes.
     #[test]
     fn too_many_nodes_are_refused_before_they_are_made() {
         let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 2.0 };

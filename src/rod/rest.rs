@@ -1,11 +1,11 @@
 //! The stress-free rod of natural strains in constant pieces, exactly; and the natural strains of an element in which
 //! pieces meet.
 //!
-//! Within a piece the stress-free rod is a part of a helix, in closed form. An element whose natural strains are constant
-//! has these at its integration points. One with a jump inside cannot follow the jump: its polynomials have no kink. Its
-//! natural strains are those that its own interpolation has when its nodes lie on the stress-free rod. So a rod that
-//! nothing holds lies with its nodes on the stress-free rod on any mesh, wherever the pieces end. (With means over the
-//! element, steps of base pairs that alternate by 7° of twist and 16° of roll came out 8° and 0.5 Å off.)
+//! Within a piece the stress-free rod is a part of a helix, in closed form. An element whose natural strains are
+//! constant has these at its integration points. One with a jump inside cannot follow the jump: its polynomials have no
+//! kink. Its natural strains are those that its own interpolation has when its nodes lie on the stress-free rod. So a
+//! rod that nothing holds lies with its nodes on the stress-free rod on any mesh, wherever the pieces end. (With means
+//! over the element, steps of base pairs that alternate by 7° of twist and 16° of roll came out 8° and 0.5 Å off.)
 
 use crate::math::quaternion::{spin, to_array};
 use crate::math::shape_functions::ShapeTable;
@@ -55,8 +55,8 @@ impl RestPose {
     }
 }
 
-/// The stress-free rod at increasing arc lengths `arcs` \[L\], from that at the first of them; `None` if the strains are not
-/// in constant pieces.
+/// The stress-free rod at increasing arc lengths `arcs` \[L\], from that at the first of them; `None` if the strains
+/// are not in constant pieces.
 pub(crate) fn rest_poses(natural: &Along<NaturalStrains>, arcs: &[f64]) -> Option<Vec<RestPose>> {
     let mut here = RestPose::START;
     let mut all = vec![here];
@@ -107,7 +107,8 @@ mod tests {
         (Rod::new("r", &shape, mesh, section, Natural::Varying(natural.clone())).unwrap(), natural)
     }
 
-    /// An element within a piece has the strains of the piece, one with a jump those of its nodes on the stress-free rod.
+    /// An element within a piece has the strains of the piece, one with a jump those of its nodes on the stress-free
+    /// rod.
     #[test]
     fn elements_take_jumps_exactly() {
         for (pieces, elements, order) in [(20, 20, 3), (20, 40, 1), (20, 20, 1), (20, 10, 2), (20, 7, 3)] {

@@ -183,8 +183,9 @@ impl Rod {
         Ok(Self { section: Section::of_diagonal(&mean, rod.section.contact_radius), ..rod })
     }
 
-    /// The same rod with a contact radius that varies along it \[L\]. Contact has one radius a segment, the mean over it
-    /// (of points and functions, the value at its middle); the contact radius of `section` becomes the largest of these.
+    /// The same rod with a contact radius that varies along it \[L\]. Contact has one radius a segment, the mean over
+    /// it (of points and functions, the value at its middle); the contact radius of `section` becomes the largest of
+    /// these.
     ///
     /// ```
     /// use supercoil::math::Vec3;

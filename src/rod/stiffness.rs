@@ -4,7 +4,8 @@ use crate::error::InputError;
 use crate::rod::Section;
 
 /// A symmetric positive definite stiffness in the order Γ1 Γ2 Γ3 K1 K2 K3, natural strains subtracted: W = ½ ∫ εᵀ C ε
-/// ds. Units \[F\] among Γ, \[F·L\] between Γ and K, \[F·L²\] among K. Twist–bend coupling is entries (4, 5) and (5, 4).
+/// ds. Units \[F\] among Γ, \[F·L\] between Γ and K, \[F·L²\] among K. Twist–bend coupling is entries (4, 5) and (5,
+/// 4).
 pub type Stiffness = nalgebra::Matrix6<f64>;
 
 /// Smallest eigenvalue accepted, of the matrix scaled to a unit diagonal. Smaller ones are rounding.
@@ -47,8 +48,8 @@ pub(crate) fn check_stiffness(field: &str, stiffness: &Stiffness) -> Result<(), 
         return Ok(());
     }
     let reason = format!(
-        "is not positive definite: scaled to a diagonal of ones, its smallest eigenvalue is {least:.3e}; it must be greater \
-         than {LEAST_EIGENVALUE:e}"
+        "is not positive definite: scaled to a diagonal of ones, its smallest eigenvalue is {least:.3e}; it must be \
+         greater than {LEAST_EIGENVALUE:e}"
     );
     Err(InputError::Inconsistent { field: field.to_owned(), reason })
 }

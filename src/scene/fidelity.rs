@@ -3,9 +3,9 @@
 use super::{Contact, ContactLaw};
 
 /// Accuracy of a scene: one setting for mesh, contact law and tolerances. Presets lie near the Pareto front of error
-/// and work of `cargo bench --bench work_precision`; `docs/notes/accuracy.md` gives the distance, case by case. Costs and
-/// errors are stated there and in [`Fidelity::accuracy`]; `tests/solver/fidelity.rs` holds them on cases that did not
-/// select the presets.
+/// and work of `cargo bench --bench work_precision`; `docs/notes/accuracy.md` gives the distance, case by case. Costs
+/// and errors are stated there and in [`Fidelity::accuracy`]; `tests/solver/fidelity.rs` holds them on cases that did
+/// not select the presets.
 ///
 /// | | `Draft` | `Balanced` | `Reference` |
 /// |---|---|---|---|

@@ -102,8 +102,8 @@ impl Scene {
         self.line_densities.iter().copied().collect::<Option<Vec<f64>>>().filter(|all| !all.is_empty())
     }
 
-    /// Temperature, K, and its thermal energy kT, pN·nm: that of the constants of DNA ([`dna::TEMPERATURE`]) unless the scene
-    /// has another; `None` if units are not nm and pN.
+    /// Temperature, K, and its thermal energy kT, pN·nm: that of the constants of DNA ([`dna::TEMPERATURE`]) unless the
+    /// scene has another; `None` if units are not nm and pN.
     ///
     /// [`dna::TEMPERATURE`]: crate::dna::TEMPERATURE
     pub fn thermal(&self) -> Option<(f64, f64)> {

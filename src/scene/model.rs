@@ -57,7 +57,8 @@ impl Support {
 /// What the nodes of a joint share, besides their position.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum JointKind {
-    /// All rotation. Their frames may differ, so rods can meet at any angle (the corner of a frame, a tee, a branching cable).
+    /// All rotation. Their frames may differ, so rods can meet at any angle (the corner of a frame, a tee, a branching
+    /// cable).
     #[default]
     Rigid,
     /// No rotation: each rod turns as it likes.
@@ -80,11 +81,12 @@ impl JointKind {
     }
 }
 
-/// A joint of two nodes: they share their position throughout, and of their rotation what its kind says. Several joints at
-/// one point join all its nodes.
+/// A joint of two nodes: they share their position throughout, and of their rotation what its kind says. Several joints
+/// at one point join all its nodes.
 ///
-/// The nodes must coincide at the start. Contact is left out where joined rods overlap next to the joint at the start; farther
-/// away they may touch. Hinges that meet at one point share one axis, and supports there hold all rotation or none.
+/// The nodes must coincide at the start. Contact is left out where joined rods overlap next to the joint at the start;
+/// farther away they may touch. Hinges that meet at one point share one axis, and supports there hold all rotation or
+/// none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
     /// One node.
@@ -181,9 +183,9 @@ pub enum ContactLaw {
 
 /// Spacing of nodes in layers (B/κ)^¼ that determines [`ContactLaw::stiffness_by_mesh`].
 const LAYERS_BETWEEN_NODES: f64 = 2.0;
-/// Nodes of a rod beyond which the spacing is one layer, because ripples of lines of contact add up along a rod, and what
-/// resists them, EA/L² against waves of sliding and B/L⁴ against bends, falls with its length: under two layers a plectoneme
-/// of 30 000 nodes rests, one of 100 000 does not (`docs/PERFORMANCE.md`).
+/// Nodes of a rod beyond which the spacing is one layer, because ripples of lines of contact add up along a rod, and
+/// what resists them, EA/L² against waves of sliding and B/L⁴ against bends, falls with its length: under two layers a
+/// plectoneme of 30 000 nodes rests, one of 100 000 does not (`docs/PERFORMANCE.md`).
 const MANY_NODES: usize = 30_000;
 /// Largest κ ε⁴/B of [`ContactLaw::stiffness_by_mesh`], a layer of a tenth of the contact radius: strands do not wind
 /// tightly enough for a stiffer law to change the result.
@@ -192,9 +194,9 @@ const MOST_BY_MESH: f64 = 1e4;
 impl ContactLaw {
     /// The largest dimensionless stiffness κ ε⁴/B that a mesh of these rods resolves along lines of contact: the
     /// spacing of nodes is two contact layers (B/κ)^¼, one on rods of more than 30 000 nodes, on the rod with the most
-    /// layers. Clamped to `least` and 10⁴ (or `least`, if larger); 100 for a spacing of 0.63 contact radii. With a stiffer
-    /// law pressure concentrates between nodes and a line breaks up into points; with a softer law points of contact a few
-    /// radii apart merge (`docs/ACCURACY.md`). `least` if no rod takes part in contact.
+    /// layers. Clamped to `least` and 10⁴ (or `least`, if larger); 100 for a spacing of 0.63 contact radii. With a
+    /// stiffer law pressure concentrates between nodes and a line breaks up into points; with a softer law points of
+    /// contact a few radii apart merge (`docs/ACCURACY.md`). `least` if no rod takes part in contact.
     pub fn stiffness_by_mesh(rods: &[Rod], least: f64) -> f64 {
         let touching = || rods.iter().filter(|rod| rod.section.contact_radius > 0.0);
         let smallest = |of: &dyn Fn(&Rod) -> f64| touching().map(of).fold(f64::INFINITY, f64::min);
@@ -273,8 +275,8 @@ pub struct Electrostatics {
     pub debye_length: f64,
 }
 
-/// Length that three Gauss points resolve, in contact distances and in Debye lengths, because the energy of strands that
-/// touch is then known to 1e-4.
+/// Length that three Gauss points resolve, in contact distances and in Debye lengths, because the energy of strands
+/// that touch is then known to 1e-4.
 const PIECE: [f64; 2] = [0.75, 2.0];
 
 impl Electrostatics {
@@ -339,8 +341,8 @@ pub enum Ramp {
         /// Factor at the end of the stage.
         to: f64,
     },
-    /// A number of an obstacle, with rods moving that it pushes: its radius, a component of its displacement, its turns about its
-    /// hinge; of a plane how far it is moved along its normal, positive towards the rods.
+    /// A number of an obstacle, with rods moving that it pushes: its radius, a component of its displacement, its turns
+    /// about its hinge; of a plane how far it is moved along its normal, positive towards the rods.
     Obstacle {
         /// Index of the obstacle.
         obstacle: usize,
@@ -442,8 +444,8 @@ pub(crate) fn unit(direction: &Vec3) -> Vec3 {
 }
 
 impl Model {
-    /// Position and rotation components fixed at a node by all its supports and those of joined nodes together, as far as they
-    /// share position and rotation (all out-of-plane components too in a planar model).
+    /// Position and rotation components fixed at a node by all its supports and those of joined nodes together, as far
+    /// as they share position and rotation (all out-of-plane components too in a planar model).
     pub fn fixed(&self, node: NodeRef) -> ([bool; 3], [bool; 3]) {
         let start = ([false, false, self.planar], [self.planar, self.planar, false]);
         let either = |a: [bool; 3], b: [bool; 3]| std::array::from_fn(|k| a[k] || b[k]);
@@ -487,8 +489,8 @@ impl Model {
         self.nodes_joined_by(node, |joint| joint.kind == JointKind::Rigid)
     }
 
-    /// The node and all nodes that rigid joints and hinges connect it to: they share rotation but about the hinges' axis. In a plane
-    /// hinges are pins.
+    /// The node and all nodes that rigid joints and hinges connect it to: they share rotation but about the hinges'
+    /// axis. In a plane hinges are pins.
     pub(crate) fn hinged_nodes(&self, node: NodeRef) -> Vec<NodeRef> {
         self.nodes_joined_by(node, |joint| joint.kind == JointKind::Rigid || self.hinge_axis(joint).is_some())
     }

@@ -45,7 +45,8 @@ pub fn read_points(path: &Path) -> Result<Vec<Vec3>, InputError> {
 
 /// Reads a centreline; the extension of the file selects the format.
 ///
-/// * `.xyz`: a line with the number of points, a comment line, then `element x y z`; several frames one after the other.
+/// * `.xyz`: a line with the number of points, a comment line, then `element x y z`; several frames one after the
+///   other.
 /// * `.vect` (Geomview): polylines, open or closed; colours are ignored.
 /// * `.pdb`: the phosphorus atoms (`P`) of a chain.
 /// * `.npy` (NumPy): shape (points, 3), or (points, 4, 3), of which the first rows count: frames of base pairs.

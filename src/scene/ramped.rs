@@ -97,7 +97,8 @@ fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
     }
 }
 
-/// Name of the first number that a ramp moves, as a column of tables; none for link, poses without extra turns and supports.
+/// Name of the first number that a ramp moves, as a column of tables; none for link, poses without extra turns and
+/// supports.
 pub fn ramped_name(model: &Model, ramp: &Ramp) -> Option<String> {
     numbers(model, ramp).into_iter().next().map(|(name, ..)| name)
 }

@@ -1,5 +1,5 @@
-//! Measures of arithmetic that several rooms share: rounding, nothing, balance, batches. A constant that decides something
-//! stands next to its use.
+//! Measures of arithmetic that several rooms share: rounding, nothing, balance, batches. A constant that decides
+//! something stands next to its use.
 
 /// Relative change of gaps, arc lengths or balances of energy that counts as rounding, because it is some 10⁴ units in
 /// the last place: a sum over the elements of a mesh is known no better.

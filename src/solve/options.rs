@@ -13,8 +13,8 @@ pub struct Options {
     pub leave_unstable: bool,
     /// Size of the step off an unstable equilibrium: largest rotation, rad. Legal: 0 < x ≤ 1.
     pub escape_step: f64,
-    /// Unstable equilibria that a search may leave in a row while hardly any energy is set free (less than 1e-2 of what is
-    /// stored).
+    /// Unstable equilibria that a search may leave in a row while hardly any energy is set free (less than 1e-2 of what
+    /// is stored).
     pub max_escapes: usize,
     /// Augmentations of the contact offsets allowed per load step.
     pub max_augmentations: usize,

@@ -46,13 +46,13 @@ impl std::fmt::Debug for Factor {
     }
 }
 
-/// Operations of the order from end to end, over those by minimum degree, from which it is taken. Below that the time is
-/// hardly another.
+/// Operations of the order from end to end, over those by minimum degree, from which it is taken. Below that the time
+/// is hardly another.
 const WORTH: f64 = 0.8;
 
-/// The pattern in an order of nodes with few operations: by approximate minimum degree over the equations, or from end to end
-/// where that has fewer. (Minimum degree over the nodes takes a thirtieth of the time, for the same fill; rolling a rod
-/// up to a full circle in one step then fails.)
+/// The pattern in an order of nodes with few operations: by approximate minimum degree over the equations, or from end
+/// to end where that has fewer. (Minimum degree over the nodes takes a thirtieth of the time, for the same fill;
+/// rolling a rod up to a full circle in one step then fails.)
 ///
 /// # Errors
 /// As [`Factor::of`].
@@ -259,8 +259,8 @@ fn eliminate(panel: &mut [f64], [width, height]: [usize; 2], update: &mut [f64],
 mod tests {
     use super::*;
 
-    /// A closed ladder with long-range rungs: the factor is that of faer's own method, with the same bits for any number
-    /// of threads.
+    /// A closed ladder with long-range rungs: the factor is that of faer's own method, with the same bits for any
+    /// number of threads.
     #[test]
     fn fronts_give_the_factor_of_the_library() {
         let count = 600;
@@ -269,8 +269,8 @@ mod tests {
             .flat_map(|a| (1..4).map(move |k| (a, (a + k) % count)))
             .chain((0..count).map(|a| (a, count - 1 - a)))
             .chain((0..20).map(|k| (31 * k, (97 * k + 300) % count)));
-        let master: Vec<usize> = (0..count).collect();
-        let (pattern, mut factor) = Factor::of(NodeGraph::new(&free, &master, pairs)).unwrap();
+        let owner: Vec<[usize; 6]> = (0..count).map(|node| [node; 6]).collect();
+        let (pattern, mut factor) = Factor::of(NodeGraph::new(&free, &owner, pairs)).unwrap();
         let mut values: Vec<f64> = (0..pattern.num_entries()).map(|k| (1.0 + 1.7 * k as f64).sin()).collect();
         for equation in 0..pattern.num_equations() {
             values[pattern.diagonal(equation)] = if equation % 97 == 3 { -40.0 } else { 45.0 };

@@ -88,8 +88,8 @@ impl<'a> Adjacency<'a> {
         sum
     }
 
-    /// The nodes connected with one by their distance from it, neighbours of the same node by how many they have; and the
-    /// largest distance. `met` holds the round in which a node was met last.
+    /// The nodes connected with one by their distance from it, neighbours of the same node by how many they have; and
+    /// the largest distance. `met` holds the round in which a node was met last.
     fn by_distance(&self, start: u32, met: &mut [u32], round: u32) -> (Vec<u32>, usize) {
         let (mut swept, mut from, mut depth) = (vec![start], 0, 0);
         met[start as usize] = round;

@@ -1,8 +1,9 @@
 //! Sparsity pattern of the tangent: lower triangle, compressed columns, grouped by nodes.
 //!
 //! A node has up to six unknowns (three positions, three rotations). Supported and out-of-plane ones are eliminated
-//! here; the factorisation does not see them. Joined nodes are one block: the first of them has all their unknowns. Equations are numbered in the order of elimination
-//! ([`NodeGraph::ordered`]), so that the factorisation takes the matrix as it is assembled.
+//! here; the factorisation does not see them. Joined nodes are one block: the first of them has all their unknowns.
+//! Equations are numbered in the order of elimination ([`NodeGraph::ordered`]), so that the factorisation takes the
+//! matrix as it is assembled.
 
 /// Marks an eliminated unknown.
 const NONE: u16 = u16::MAX;
@@ -72,10 +73,10 @@ pub struct NodeGraph {
 }
 
 impl NodeGraph {
-    /// Nodes with the given free unknowns, coupled in the given pairs (any order, duplicates allowed; the diagonal is always
-    /// present). Nodes may share unknowns of others: `owner[b][k]` is `b` itself or the node whose k-th unknown is that of b, too.
-    /// Only the owner's `free` counts. All positions of a node have one owner, whose block holds all unknowns of the nodes that
-    /// share them; it is the first of these.
+    /// Nodes with the given free unknowns, coupled in the given pairs (any order, duplicates allowed; the diagonal is
+    /// always present). Nodes may share unknowns of others: `owner[b][k]` is `b` itself or the node whose k-th unknown
+    /// is that of b, too. Only the owner's `free` counts. All positions of a node have one owner, whose block holds all
+    /// unknowns of the nodes that share them; it is the first of these.
     pub fn new(free: &[[bool; 6]], owner: &[[usize; 6]], pairs: impl Iterator<Item = (usize, usize)>) -> Self {
         let unknowns = Unknowns::new(free, owner);
         let master = &unknowns.master;
@@ -111,8 +112,8 @@ impl NodeGraph {
         firsts
     }
 
-    /// The matrix with its nodes in their own order, upper triangle: column pointers and row indices, ascending within a
-    /// column.
+    /// The matrix with its nodes in their own order, upper triangle: column pointers and row indices, ascending within
+    /// a column.
     pub fn upper(&self) -> (Vec<u32>, Vec<u32>) {
         let first = self.first_equations();
         let mut columns: Vec<(u32, u32)> = self.pairs.iter().map(|&(row, column)| (column, row)).collect();
@@ -311,8 +312,8 @@ impl Pattern {
         (self.col_ptr[first + 1] - self.col_ptr[first]) as usize
     }
 
-    /// [`Pattern::add_at`] within a diagonal block: of one node the upper part, of two joined ones their coupling and its
-    /// transpose.
+    /// [`Pattern::add_at`] within a diagonal block: of one node the upper part, of two joined ones their coupling and
+    /// its transpose.
     fn add_within(&self, values: &mut [f64], start: usize, [a, b]: [usize; 2], entry: impl Fn(usize, usize) -> f64) {
         let length = self.length(a);
         let [rows, columns] = [a, b].map(|node| self.unknowns.local[node].map(usize::from));
@@ -382,8 +383,8 @@ impl Pattern {
 mod tests {
     use super::*;
 
-    /// Nodes 1, 3 and 5 of a chain 0 1 2, 3 4, 5 are joined: the reduced matrix is Tᵀ A T of the full one, T the joining map.
-    /// Node 3 is rigid to 1, or pinned to it, or shares all but its last rotation; node 5 is rigid to 3.
+    /// Nodes 1, 3 and 5 of a chain 0 1 2, 3 4, 5 are joined: the reduced matrix is Tᵀ A T of the full one, T the
+    /// joining map. Node 3 is rigid to 1, or pinned to it, or shares all but its last rotation; node 5 is rigid to 3.
     #[test]
     fn joined_nodes_share_their_equations() {
         let mut free = [[true; 6]; 6];

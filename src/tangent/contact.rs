@@ -10,8 +10,8 @@
 //!
 //! *Free* takes the law's part out, *locked* makes it [`HARDER`] times as stiff.
 //!
-//! Under the augmented Lagrangian what stays is the *smallest* gap of a point: its offsets are raised until that is 0. It
-//! differs from the mean gap by the bend of the strands over the zone, of which a force takes 1e-5. Derivatives of
+//! Under the augmented Lagrangian what stays is the *smallest* gap of a point: its offsets are raised until that is 0.
+//! It differs from the mean gap by the bend of the strands over the zone, of which a force takes 1e-5. Derivatives of
 //! equilibria therefore have a row ∂(smallest gap) and a column b for each point, see [`ClosedPoint`].
 
 use std::collections::BTreeMap;
@@ -46,8 +46,8 @@ pub enum ContactResponse {
 }
 
 impl ContactResponse {
-    /// What a derivative of an equilibrium under a law is made with: gaps stay closed under the augmented Lagrangian, and
-    /// give under a penalty.
+    /// What a derivative of an equilibrium under a law is made with: gaps stay closed under the augmented Lagrangian,
+    /// and give under a penalty.
     #[must_use]
     pub fn of_law(law: ContactLaw) -> Self {
         match law {
@@ -190,8 +190,8 @@ pub(super) struct PushedBy {
     pub(super) at: Vec3,
 }
 
-/// A point of contact whose smallest gap stays, whatever force that takes. Its force is that of an offset c, which is the
-/// same in the whole zone: with it the linear problem is
+/// A point of contact whose smallest gap stays, whatever force that takes. Its force is that of an offset c, which is
+/// the same in the whole zone: with it the linear problem is
 ///
 /// ```text
 /// [K  −b] [δx]   [−∂r/∂p]

@@ -110,15 +110,16 @@ impl Harmonic {
         Ok(self.free_energy(thermal_energy)? - other.free_energy(thermal_energy)?)
     }
 
-    /// The J-factor \[1/L³\]: this state has the ends of a rod where they are (a ring, a loop between clamps), the other
-    /// one is the same rod with a free end. J is the concentration of free ends that would be found there as often, at any
-    /// orientation that is as probable:
+    /// The J-factor \[1/L³\]: this state has the ends of a rod where they are (a ring, a loop between clamps), the
+    /// other one is the same rod with a free end. J is the concentration of free ends that would be found there as
+    /// often, at any orientation that is as probable:
     ///
     /// ```text
     /// J = 8π² Z(closed)/Z(open)        Z = exp(−F/kT)
     /// ```
     ///
-    /// Of a ring it is that of one topoisomer; the sum over the links that matter is the ring's. Both are on the same mesh.
+    /// Of a ring it is that of one topoisomer; the sum over the links that matter is the ring's. Both are on the same
+    /// mesh.
     ///
     /// # Errors
     /// As [`Harmonic::free_energy`]; states that do not differ by the six unknowns of an end.

@@ -33,8 +33,8 @@ pub struct Participation {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mode {
-    /// λ: negative where the equilibrium is unstable \[F/L²\]; of [`EquilibriumTangent::vibrations`] the square of the angular
-    /// frequency \[1/T²\].
+    /// λ: negative where the equilibrium is unstable \[F/L²\]; of [`EquilibriumTangent::vibrations`] the square of the
+    /// angular frequency \[1/T²\].
     pub eigenvalue: f64,
     /// Where its energy is.
     pub participation: Participation,

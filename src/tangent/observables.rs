@@ -54,8 +54,8 @@ pub enum Observable {
 }
 
 impl Observable {
-    /// From a name: `energy`, `contact_force`; `twist`, `writhe`, `extension`, `seam_moment` of the first rod or, after a
-    /// colon, of the rod of a name (`writhe:ring`); `position_x`, `position_y`, `position_z` of a node, `force_x`,
+    /// From a name: `energy`, `contact_force`; `twist`, `writhe`, `extension`, `seam_moment` of the first rod or, after
+    /// a colon, of the rod of a name (`writhe:ring`); `position_x`, `position_y`, `position_z` of a node, `force_x`,
     /// `force_y`, `force_z`, `moment_x`, `moment_y`, `moment_z` of the support of a node, after the rod
     /// (`force_z:rod:end`: `start`, `end` or its index).
     ///

@@ -7,13 +7,14 @@
 //! ```
 //!
 //! One solve an observable gives its derivatives with respect to any number of parameters. r is the gradient of the
-//! potential, K the tangent of the chosen [`ContactResponse`]. [`ContactResponse::Locked`] differentiates the equilibrium
-//! under hard contact: each point of contact has a row a and a column b, see [`ClosedPoint`](super::contact::ClosedPoint);
-//! along lines every gap with force stays closed. [`ContactResponse::ByLaw`] differentiates that under a penalty, without
-//! rows and columns. Where a contact is about to open or to close, the derivative holds on one side.
+//! potential, K the tangent of the chosen [`ContactResponse`]. [`ContactResponse::Locked`] differentiates the
+//! equilibrium under hard contact: each point of contact has a row a and a column b, see
+//! [`ClosedPoint`](super::contact::ClosedPoint); along lines every gap with force stays closed.
+//! [`ContactResponse::ByLaw`] differentiates that under a penalty, without rows and columns. Where a contact is about
+//! to open or to close, the derivative holds on one side.
 //!
-//! ∂r/∂p, ∂g/∂p and ∂q/∂p at fixed unknowns are central differences of fourth order of the exact residual, contact under
-//! the law included; motions of supports are columns of the tangent.
+//! ∂r/∂p, ∂g/∂p and ∂q/∂p at fixed unknowns are central differences of fourth order of the exact residual, contact
+//! under the law included; motions of supports are columns of the tangent.
 
 use std::f64::consts::TAU;
 
@@ -35,11 +36,13 @@ use crate::solve::{RunError, State};
 
 /// Relative step of numbers of rods: residuals are linear or quadratic in them.
 const STEP: f64 = 1e-3;
-/// The same of a length where strands touch, because it moves the contact curve, and of a radius or an obstacle over the
-/// overlap of the weakest contact: a force goes as the overlap to the power 3/2, whose difference of fourth order is then
-/// right to 1e-9. Where offsets keep the overlaps, it is that of the change of an overlap to second order, h²/ε.
+/// The same of a length where strands touch, because it moves the contact curve, and of a radius or an obstacle over
+/// the overlap of the weakest contact: a force goes as the overlap to the power 3/2, whose difference of fourth order
+/// is then right to 1e-9. Where offsets keep the overlaps, it is that of the change of an overlap to second order,
+/// h²/ε.
 const STEP_OF_GAPS: f64 = 1e-2;
-/// Force of a contact, over the largest, below which it is about to open: a per mille change of what is prescribed may do.
+/// Force of a contact, over the largest, below which it is about to open: a per mille change of what is prescribed may
+/// do.
 const WEAK: f64 = 1e-3;
 /// Step of links, turns: the fourth-order difference is exact to 1e-11, and rounding of stiff stretch divided by it
 /// is 1e-12.
@@ -91,12 +94,12 @@ pub enum PrescribedNumber {
 }
 
 impl PrescribedNumber {
-    /// From a name: `load`; `link`, `pressure`, `bending`, `bending_1`, `bending_2`, `twisting`, `stretching`, `shearing`,
-    /// `shearing_1`, `shearing_2`, `contact_radius`, `length`, `natural_curvature_1`, `natural_curvature_2`,
-    /// `natural_twist`, `binding` of the first rod or, after a colon, of the rod of a name (`bending:ring`);
-    /// `displacement_x`, `displacement_y`, `displacement_z`, `rotation_x`, `rotation_y`, `rotation_z` of a supported node,
-    /// after the rod (`displacement_z:rod:end`: `start`, `end` or its index); `obstacle_level`, `obstacle_x`,
-    /// `obstacle_y`, `obstacle_z`, `obstacle_turns` of the first obstacle or of that of a name.
+    /// From a name: `load`; `link`, `pressure`, `bending`, `bending_1`, `bending_2`, `twisting`, `stretching`,
+    /// `shearing`, `shearing_1`, `shearing_2`, `contact_radius`, `length`, `natural_curvature_1`,
+    /// `natural_curvature_2`, `natural_twist`, `binding` of the first rod or, after a colon, of the rod of a name
+    /// (`bending:ring`); `displacement_x`, `displacement_y`, `displacement_z`, `rotation_x`, `rotation_y`, `rotation_z`
+    /// of a supported node, after the rod (`displacement_z:rod:end`: `start`, `end` or its index); `obstacle_level`,
+    /// `obstacle_x`, `obstacle_y`, `obstacle_z`, `obstacle_turns` of the first obstacle or of that of a name.
     ///
     /// # Errors
     /// Another name.
@@ -327,8 +330,8 @@ fn with_offsets<R>(engine: &mut Engine, (rates, by): (&[(usize, f64)], f64), wor
     result
 }
 
-/// Rates per unit of a parameter at fixed unknowns and offsets, or along a change of the offsets of points that stay closed, which
-/// cancels.
+/// Rates per unit of a parameter at fixed unknowns and offsets, or along a change of the offsets of points that stay
+/// closed, which cancels.
 #[derive(Default)]
 struct Rate {
     /// Of the gradient of the potential.
@@ -410,8 +413,8 @@ impl EquilibriumTangent<'_> {
         ClosedResponses { responses, matrix }
     }
 
-    /// Rates at fixed unknowns, with that of an observable if there is any. `here` keeps the gradient of the potential without
-    /// contact from one parameter to the next.
+    /// Rates at fixed unknowns, with that of an observable if there is any. `here` keeps the gradient of the potential
+    /// without contact from one parameter to the next.
     fn rate(
         &mut self,
         parameter: &PrescribedNumber,
@@ -480,9 +483,9 @@ impl EquilibriumTangent<'_> {
         Ok(rate)
     }
 
-    /// The changes of offsets with a parameter by which overlaps stay as they are at fixed unknowns; none where points share
-    /// offsets. A rate of the potential's
-    /// gradient along them has no part b, which cancels, and would be known to the rounding of gaps over the overlap only.
+    /// The changes of offsets with a parameter by which overlaps stay as they are at fixed unknowns; none where points
+    /// share offsets. A rate of the potential's gradient along them has no part b, which cancels, and would be known to
+    /// the rounding of gaps over the overlap only.
     fn offsets_that_follow(&mut self, parameter: &PrescribedNumber) -> Result<Vec<(usize, f64)>, RunError> {
         let near = self.weakest_overlap().map(|overlap| STEP_OF_GAPS * overlap);
         let step = parameter.step(self.engine, near);
@@ -550,8 +553,8 @@ impl EquilibriumTangent<'_> {
         failed.map_or_else(|| Ok(rates.chunks_exact(12).map(of_segment).collect()), Err)
     }
 
-    /// What the changes of the chosen response add to rates by the law, `curves` those of the curves that move at fixed unknowns:
-    /// of points that stay closed nothing, because their offsets take it up.
+    /// What the changes of the chosen response add to rates by the law, `curves` those of the curves that move at fixed
+    /// unknowns: of points that stay closed nothing, because their offsets take it up.
     fn add_changes(&self, parameter: &PrescribedNumber, curves: &[[Vec3; 4]], rate: &mut Rate) {
         let mut forces = vec![0.0; rate.forces.len()];
         for gap in contact::changes(self.choice, &self.contacts, &self.rates) {
@@ -568,8 +571,8 @@ impl EquilibriumTangent<'_> {
         rate.forces.iter_mut().zip(&forces).for_each(|(sum, force)| *sum += force);
     }
 
-    /// Where derivatives hold on one side: contacts that carry next to nothing, beside others or beside the forces in the
-    /// rods, and are about to open.
+    /// Where derivatives hold on one side: contacts that carry next to nothing, beside others or beside the forces in
+    /// the rods, and are about to open.
     pub fn one_sided(&self) -> Vec<String> {
         let of_rods = self.engine.scales.bending / self.engine.scales.length.powi(2);
         let largest = self.contacts.iter().map(|contact| contact.force).fold(of_rods, f64::max);

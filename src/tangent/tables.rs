@@ -1,7 +1,7 @@
 //! Sensitivities with respect to natural strains along rods: all rows of a table, or of a sequence, at once.
 //!
-//! The residual is linear in the natural strains ε⁰ at the integration points, r = ∫Bᵀ C (ε − ε⁰) ds. With the adjoint λ
-//! and its strains Bλ
+//! The residual is linear in the natural strains ε⁰ at the integration points, r = ∫Bᵀ C (ε − ε⁰) ds. With the adjoint
+//! λ and its strains Bλ
 //!
 //! ```text
 //! dq/dε⁰ = ∂q/∂ε⁰ + w C Bλ        w the weight of the point, a length
@@ -16,13 +16,13 @@ use crate::error::InputError;
 use crate::rod::{Natural, NaturalStrains};
 use crate::solve::RunError;
 
-/// Step of differences of natural strains over 1, or over 1/(element length) of curvatures: they are nearly linear in the
-/// rows, by rotations of as much.
+/// Step of differences of natural strains over 1, or over 1/(element length) of curvatures: they are nearly linear in
+/// the rows, by rotations of as much.
 const STEP: f64 = 1e-4;
 
 impl EquilibriumTangent<'_> {
-    /// dq/dn for the six natural strains n (Γ1 Γ2 Γ3 K1 K2 K3) of each row of the table of a rod, or of each step of its
-    /// sequence, shape (rows, 6). Of a natural state that is in force in part, the rows are those in force.
+    /// dq/dn for the six natural strains n (Γ1 Γ2 Γ3 K1 K2 K3) of each row of the table of a rod, or of each step of
+    /// its sequence, shape (rows, 6). Of a natural state that is in force in part, the rows are those in force.
     ///
     /// # Errors
     /// A rod whose natural strains are no table; the moment at a seam; as [`EquilibriumTangent::gradient`].

@@ -4,15 +4,15 @@
 //! dF/dp = dΠ/dp + ½ kT d ln det K/dp
 //! ```
 //!
-//! −dF/dT is the extension under a tension T, with its thermal shortening; dF/dn over n turns is 2π × the torque, with the softening by
-//! fluctuations. Both are differences of the equilibria beside the present one.
+//! −dF/dT is the extension under a tension T, with its thermal shortening; dF/dn over n turns is 2π × the torque, with
+//! the softening by fluctuations. Both are differences of the equilibria beside the present one.
 
 use super::{ContactResponse, EquilibriumTangent, Harmonic, PrescribedNumber};
 use crate::error::InputError;
 use crate::solve::{RunError, Solver, State, Status};
 
-/// Step of differences of loads, over all of them, and of pressures and displacements, over their scales: with it the error of
-/// second order is 1e-6, and that of the equilibria, 1e-9, is as small.
+/// Step of differences of loads, over all of them, and of pressures and displacements, over their scales: with it the
+/// error of second order is 1e-6, and that of the equilibria, 1e-9, is as small.
 const STEP: f64 = 1e-3;
 
 /// The slope of a free energy with a parameter, \[F·L\] over the parameter's unit.
@@ -36,7 +36,8 @@ impl EquilibriumTangent<'_> {
     /// dF/dp at a solver's state, contacts as chosen, at a thermal energy kT \[F·L\]. The solver is left in this state.
     ///
     /// # Errors
-    /// A parameter that the model does not have; equilibria beside the state that are not found; as [`Harmonic::free_energy`].
+    /// A parameter that the model does not have; equilibria beside the state that are not found; as
+    /// [`Harmonic::free_energy`].
     pub fn thermal_slope(
         solver: &mut Solver,
         parameter: &PrescribedNumber,

@@ -1,23 +1,23 @@
 //! How far harmonic terms hold: the energy along the softest modes against the quadratic one.
 //!
-//! A mode v is followed along the parabola x + t v + ½ t² w, K w = −∂²r/∂t², on which stiff strains (stretch, shear) stay as
-//! they are to second order. Where kT/2 would take it, ½ t² vᵀKv = kT/2, the potential is compared with kT/2. Contacts that
-//! open or close on the way show, as saddles do.
+//! A mode v is followed along the parabola x + t v + ½ t² w, K w = −∂²r/∂t², on which stiff strains (stretch, shear)
+//! stay as they are to second order. Where kT/2 would take it, ½ t² vᵀKv = kT/2, the potential is compared with kT/2.
+//! Contacts that open or close on the way show, as saddles do.
 
 use super::EquilibriumTangent;
 use crate::error::InputError;
 use crate::solve::problem::linearised::dot;
 use crate::solve::{RunError, State};
 
-/// Deviation from the quadratic energy beyond which harmonic terms are void: a Gaussian integral is then off by the same
-/// order, half a kT a mode.
+/// Deviation from the quadratic energy beyond which harmonic terms are void: a Gaussian integral is then off by the
+/// same order, half a kT a mode.
 pub const VOID: f64 = 0.5;
 /// Step of second differences of the residual, over the mode's largest rotation (rad): half the digits.
 const STEP: f64 = 1e-4;
 
 impl EquilibriumTangent<'_> {
-    /// Of each of the `count` softest modes, |ΔΠ/(kT/2) − 1| at the amplitude of kT/2, the larger one of both sides. Above
-    /// [`VOID`] harmonic terms mean nothing: free energies, covariances.
+    /// Of each of the `count` softest modes, |ΔΠ/(kT/2) − 1| at the amplitude of kT/2, the larger one of both sides.
+    /// Above [`VOID`] harmonic terms mean nothing: free energies, covariances.
     ///
     /// # Errors
     /// An unstable state; as [`EquilibriumTangent::modes`]; contact geometry that breaks down.

@@ -1,7 +1,7 @@
 //! Layers: lower ones know nothing of higher ones.
 //!
-//! math → {contact, rod → dna, sparse} → scene → solve → certificate → observe → io → main; `error`, `memory` and `text` are open to all. Scans
-//! every `crate::` path in the sources outside comments.
+//! math → {contact, rod → dna, sparse} → scene → solve → certificate → observe → io → main; `error`, `memory` and
+//! `text` are open to all. Scans every `crate::` path in the sources outside comments.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
@@ -46,22 +46,27 @@ fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-/// All sources as (path below src, text without comments).
-fn sources() -> Vec<(String, String)> {
-    let (mut folders, mut found) = (vec![source()], Vec::new());
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
+/// Rust files in a folder and below as (path below it, text).
+fn rust_files(folder: &Path) -> Vec<(String, String)> {
+    let (mut folders, mut found) = (vec![folder.to_owned()], Vec::new());
+    while let Some(here) = folders.pop() {
+        for entry in std::fs::read_dir(here).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
                 folders.push(path);
             } else if path.extension().is_some_and(|extension| extension == "rs") {
-                let name = path.strip_prefix(source()).unwrap().to_string_lossy().replace('\\', "/");
-                found.push((name, without_comments(&std::fs::read_to_string(&path).unwrap())));
+                let name = path.strip_prefix(folder).unwrap().to_string_lossy().replace('\\', "/");
+                found.push((name, std::fs::read_to_string(&path).unwrap()));
             }
         }
     }
     found.sort();
     found
+}
+
+/// All sources as (path below src, text without comments).
+fn sources() -> Vec<(String, String)> {
+    rust_files(&source()).into_iter().map(|(name, text)| (name, without_comments(&text))).collect()
 }
 
 fn without_comments(text: &str) -> String {
@@ -323,6 +328,25 @@ fn foreign_crates_are_named_in_one_place() {
             .map(|s| s.0)
             .collect();
         assert_eq!(used, [home], "{name}");
+    }
+}
+
+/// Lines of more than 120 columns, as (line, columns); rows of tables in comments have no shorter form.
+fn long_lines(text: &str) -> Vec<(usize, usize)> {
+    let is_row = |line: &str| line.trim_start().trim_start_matches(['/', '!']).trim_start().starts_with('|');
+    let columns = text.lines().map(|line| if is_row(line) { 0 } else { line.chars().count() });
+    (1..).zip(columns).filter(|(_, columns)| *columns > 120).collect()
+}
+
+/// What the formatter leaves alone, comments and strings, fits on the page, too.
+#[test]
+fn lines_have_120_columns() {
+    assert_eq!(long_lines(&format!("a\n/// | {0} |\n{0}\n{0}x", "ä".repeat(120))), [(4, 121)]);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for folder in ["src", "tests", "benches", "examples", "live/src", "tools/src", "python/src"] {
+        for (file, text) in rust_files(&root.join(folder)) {
+            assert_eq!(long_lines(&text), [], "{folder}/{file}");
+        }
     }
 }
 

@@ -1,5 +1,5 @@
-//! A rod between coaxial clamps, bowed, brought together and turned, as a Kirchhoff rod (inextensible, unshearable, L = B
-//! = 1) with hard contact, by shooting.
+//! A rod between coaxial clamps, bowed, brought together and turned, as a Kirchhoff rod (inextensible, unshearable, L =
+//! B = 1) with hard contact, by shooting.
 //!
 //! ```text
 //!              _____
@@ -11,9 +11,9 @@
 //!
 //! r′ = t, t′ = M × t, d1′ = (M + (1/C − 1)(M·t) t) × d1, M′ = n × t, with M the internal moment and n the internal
 //! force, constant between contacts. The shape is its own image under half a turn about y, so half of the rod is
-//! integrated, from its middle (r = 0; t, M, n normal to y; d1 = y) to the clamp (on the x axis' parallel through the other
-//! clamp: z = 0, x half the distance, t = x, d1 turned by half of the turns). The partner of a point is its image (−x, y,
-//! −z); where they touch, x² + z² has a minimum and the force acts along (x, 0, z).
+//! integrated, from its middle (r = 0; t, M, n normal to y; d1 = y) to the clamp (on the x axis' parallel through the
+//! other clamp: z = 0, x half the distance, t = x, d1 turned by half of the turns). The partner of a point is its image
+//! (−x, y, −z); where they touch, x² + z² has a minimum and the force acts along (x, 0, z).
 //!
 //! Independent of the engine: its own unknowns, no mesh, no contact law.
 

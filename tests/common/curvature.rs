@@ -71,7 +71,8 @@ pub fn tangent_and_curvature(solver: &Solver, rod: usize, arc: f64, point: Point
     (tangent.normalize(), curvature)
 }
 
-/// ∫d3 dη, ∫d3 (2η − 1) dη and the same of d3' over the cell of `width` elements from the `first` on, 0 < η < 1 along it.
+/// ∫d3 dη, ∫d3 (2η − 1) dη and the same of d3' over the cell of `width` elements from the `first` on, 0 < η < 1 along
+/// it.
 fn moments_of_cell(solver: &Solver, rod: usize, first: isize, width: isize) -> ([Vec3; 2], [Vec3; 2]) {
     let count = solver.engine().model().rods[rod].num_elements as isize;
     let (mut d3, mut bend) = ([Vec3::zeros(); 2], [Vec3::zeros(); 2]);

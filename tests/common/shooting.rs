@@ -1,5 +1,5 @@
-//! For boundary value problems that tests solve by shooting: Newton's method with differences, products of vectors that are
-//! parts of a state.
+//! For boundary value problems that tests solve by shooting: Newton's method with differences, products of vectors that
+//! are parts of a state.
 
 #![allow(dead_code)] // every test file uses its part
 

@@ -73,8 +73,8 @@ pub fn print(rows: &[Row]) {
     grouped(rows).iter().for_each(|(name, list)| line(name, list));
     line("all", &rows.iter().collect::<Vec<_>>());
     println!(
-        "(elsewhere: iterations on coarser meshes and shorter rods, not among the others; median, 90 %, worst: iterations \
-         per accepted load step, failed attempts before it included)"
+        "(elsewhere: iterations on coarser meshes and shorter rods, not among the others; median, 90 %, worst: \
+         iterations per accepted load step, failed attempts before it included)"
     );
     let failed: Vec<&Row> = rows.iter().filter(|row| !row.passed).collect();
     if !failed.is_empty() {

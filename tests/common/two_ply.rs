@@ -138,8 +138,8 @@ fn moment_at(a: f64) -> f64 {
     2.0 * a.sin().powi(3) * a.cos() / (2.0 * a).cos()
 }
 
-/// The pair, started at an angle and turned until it carries no torque, and the states on the way: the torque is brought
-/// to zero by secants.
+/// The pair, started at an angle and turned until it carries no torque, and the states on the way: the torque is
+/// brought to zero by secants.
 pub fn without_torque(alpha: f64, turns: f64) -> Vec<Ply> {
     let mut solver = pair(alpha, turns, 0.25, -0.9 * moment_at(alpha));
     let first = twisted(&mut solver, 0.0);

@@ -93,7 +93,8 @@ proptest! {
             if pa.abs().min(pb.abs()) < 1e-13 * size {
                 continue;
             }
-            let inside: Vec<_> = list.iter().filter(|r| r.t > a && r.t <= b && r.crossing != SignChange::Touching).collect();
+            let within = list.iter().filter(|r| r.t > a && r.t <= b);
+            let inside: Vec<_> = within.filter(|r| r.crossing != SignChange::Touching).collect();
             prop_assert_eq!(inside.len() % 2 == 1, (pa < 0.0) != (pb < 0.0), "{} {} {:?}", a, b, list);
             if let [one] = inside[..] {
                 prop_assert_eq!(one.crossing == SignChange::Rising, pa < 0.0);

@@ -4,7 +4,8 @@
 //! brings both up to date with the interpolated increments θ(s) = Σ N_a θ_a of its nodes:
 //!
 //! ```text
-//! R ← exp(θ) R        k ← exp(θ) k + T(θ) θ′        T(θ) = sinθ/θ 1 + (1 − sinθ/θ) n nᵀ + (1 − cosθ)/θ n×,  θ = |θ|, n = θ/θ
+//! R ← exp(θ) R        k ← exp(θ) k + T(θ) θ′        T(θ) = sinθ/θ 1 + (1 − sinθ/θ) n nᵀ + (1 − cosθ)/θ n×
+//! θ = |θ|, n = θ/θ
 //! ```
 //!
 //! It is written out here, in the test, for comparison only. The engine interpolates the nodes' frames themselves, so

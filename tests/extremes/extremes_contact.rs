@@ -39,13 +39,14 @@ fn ring_model(unit: f64, force: f64, center: Vec3, law: ContactLaw, elements: us
     Model { rods: vec![rod], contact: Contact { law }, ..Model::default() }
 }
 
-/// Units of length and force from 2e-13 to 4e12 *return* the same numbers to the last bit, in the same iterations. Units
-/// are powers of 64, in which numbers, square roots and cube roots round as they do in 1: where rounding differs, it may
-/// decide where the figure-eight of a free ring comes to lie on the mesh, which changes the energy by 2e-5.
+/// Units of length and force from 2e-13 to 4e12 *return* the same numbers to the last bit, in the same iterations.
+/// Units are powers of 64, in which numbers, square roots and cube roots round as they do in 1: where rounding differs,
+/// it may decide where the figure-eight of a free ring comes to lie on the mesh, which changes the energy by 2e-5.
 ///
 /// (Symptoms before: from 1e6 on, the energy differed by 2e-5. The direction in which the flat ring is left was sought
-/// from a start vector that mixed lengths and angles, so that the figure-eight came to lie elsewhere on the mesh. Later,
-/// in 64³, another iteration: the largest change of a contact force was that of forces and moments, whatever their unit.)
+/// from a start vector that mixed lengths and angles, so that the figure-eight came to lie elsewhere on the mesh.
+/// Later, in 64³, another iteration: the largest change of a contact force was that of forces and moments, whatever
+/// their unit.)
 #[test]
 fn units_of_length_and_force() {
     let run = |unit: f64, force: f64| {
@@ -79,10 +80,10 @@ fn units_of_length_and_force() {
     }
 }
 
-/// A ring held at a node, pushed aside at the opposite one and twisted into contact *returns* the same energy in any unit,
-/// to 1e-9, and in powers of 64 to the last bit, in the same iterations. (Symptom before: a ring whose length was 1e-9 and
-/// less did not come to rest. Which motions a clamp lets pass was told from displacements by 1 and rotations by 1 rad,
-/// whatever the unit.)
+/// A ring held at a node, pushed aside at the opposite one and twisted into contact *returns* the same energy in any
+/// unit, to 1e-9, and in powers of 64 to the last bit, in the same iterations. (Symptom before: a ring whose length was
+/// 1e-9 and less did not come to rest. Which motions a clamp lets pass was told from displacements by 1 and rotations
+/// by 1 rad, whatever the unit.)
 #[test]
 fn a_ring_held_at_a_node_in_any_unit() {
     let run = |unit: f64| {
@@ -164,7 +165,8 @@ fn units_along_a_line() {
 
 /// Away from the origin start positions carry ε × offset, but searches know them in two parts. A ring with radius .02 L
 /// *returns* energy, writhe, twisting moment and contact force as at the origin: to 1e-11 at up to 1e6 radii, to 1e-10
-/// at 1e8, to 1e-9 at 1e9. From where rounding moves its nodes by a thousandth of their spacing, near 5e12 radii, it is *refused*.
+/// at 1e8, to 1e-9 at 1e9. From where rounding moves its nodes by a thousandth of their spacing, near 5e12 radii, it is
+/// *refused*.
 #[test]
 fn offset_from_the_origin() {
     let away = Vec3::new(0.6, 0.64, 0.48);
@@ -196,8 +198,8 @@ fn offset_from_the_origin() {
 
 /// Penalties from 1e-2 to 1e12 times κ' = 100. A plain penalty *returns* up to 1e6 times that with a penetration that
 /// falls as κ^(−2/3), and is *refused* by `MaxIterations` beyond: without a soft start it rattles. The augmented
-/// Lagrangian *returns* a gap within the tolerance everywhere; at 1e12 times 100 the force is known as well as rounding of
-/// the ring's coordinates lets its overlap be: to four or five digits.
+/// Lagrangian *returns* a gap within the tolerance everywhere; at 1e12 times 100 the force is known as well as rounding
+/// of the ring's coordinates lets its overlap be: to four or five digits.
 #[test]
 fn penalties() {
     let (mut before, mut last) = (f64::INFINITY, 0);
@@ -402,13 +404,13 @@ fn curvature_at_the_thickness_limit() {
     assert!(error.contains("thicker than its own curvature"), "{error}");
 }
 
-/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, and one a little
-/// thicker too as long as the rod can be stretched to the ideal length: EA = 1e5 B/L² lets it by 1.2 % at L/D = 16.3, 2.5
-/// % at 16, 9.2 % at 15 (under κ' = 100 neither came to rest: feet of normals are not unique where the radius of
-/// curvature falls to the contact distance). From 14 on, where a torus knot for a start overlaps by a quarter of D and
-/// more, it *returns* so or is *refused* by `MaxIterations` or `Penetration`. (Symptom before, from a torus knot whose
-/// strands overlap by .14 D, L/D ≤ 16.5: "the tangent could not be factorised" and infinite energy. Mechanism: the law
-/// was hardened to one of infinite energy from .08 D on while pressure still held strands deeper in each other.
+/// A trefoil nearly as thick as the ideal knot (length over diameter 16.3715) *returns* without overlap, and one a
+/// little thicker too as long as the rod can be stretched to the ideal length: EA = 1e5 B/L² lets it by 1.2 % at L/D =
+/// 16.3, 2.5 % at 16, 9.2 % at 15 (under κ' = 100 neither came to rest: feet of normals are not unique where the radius
+/// of curvature falls to the contact distance). From 14 on, where a torus knot for a start overlaps by a quarter of D
+/// and more, it *returns* so or is *refused* by `MaxIterations` or `Penetration`. (Symptom before, from a torus knot
+/// whose strands overlap by .14 D, L/D ≤ 16.5: "the tangent could not be factorised" and infinite energy. Mechanism:
+/// the law was hardened to one of infinite energy from .08 D on while pressure still held strands deeper in each other.
 /// Threshold: the energy under the harder law must be finite where it begins, as that of the linear laws is that it is
 /// hardened to now.)
 #[test]

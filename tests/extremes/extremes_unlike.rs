@@ -1,7 +1,7 @@
 //! Unlike rods in contact: each case says *returns* (to which accuracy) or *refuses* (by which status), and holds it.
 //!
 //! ```text
-//!        b  |            two beams, clamped at both ends, cross at their middles; the ends of b are pushed by δ beyond first touch
+//!        b  |            two beams, clamped at both ends, cross at their middles; the ends of b are pushed on by δ
 //!  a ───────┼───────     F = 192 δ / (L_a³/B_a + L_b³/B_b)     (small displacements; each gives way by its share)
 //!           |
 //! ```
@@ -70,7 +70,8 @@ fn push(other: &Beam, stiffness: f64) -> Outcome {
     };
     let Outcome { status, error, residual, shape } = &outcome;
     println!(
-        "{other:?}, κ' {stiffness:e}: {status:?}, force off by {error:.1e}, shape by {shape:.1e}, residual {residual:.1e}"
+        "{other:?}, κ' {stiffness:e}: {status:?}, force off by {error:.1e}, shape by {shape:.1e}, residual \
+         {residual:.1e}"
     );
     outcome
 }

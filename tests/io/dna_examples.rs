@@ -41,8 +41,8 @@ fn the_lac_repressor_closes_a_loop() {
     assert!(gap > 3.0, "{gap}");
 }
 
-/// Two links of the wild-type loop in one pose; the sweep has five poses. On three and six times the elements they cost 39.36,
-/// 39.35 and 21.10, 21.11 kT.
+/// Two links of the wild-type loop in one pose; the sweep has five poses. On three and six times the elements they cost
+/// 39.36, 39.35 and 21.10, 21.11 kT.
 #[test]
 fn the_operators_of_lac_close_to_loops_by_a_table_of_poses() {
     let sweep = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/sweeps/lac_loop.toml");
@@ -79,8 +79,8 @@ fn a_plasmid_is_made_ready_for_oxdna() {
     assert_eq!(Sequence::read(&file).unwrap(), sequence);
 }
 
-/// The same plasmid with its sequence, ten steps a block: Lk counts the turns that frames leave out, and they are in what is
-/// exported.
+/// The same plasmid with its sequence, ten steps a block: Lk counts the turns that frames leave out, and they are in
+/// what is exported.
 #[test]
 fn a_plasmid_in_blocks_is_exported_with_its_link() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -106,8 +106,8 @@ fn a_plasmid_in_blocks_is_exported_with_its_link() {
     assert_eq!(linking_number(&a, &b).round(), link.round());
 }
 
-/// A figure-eight at Lk 16, its crossing held open by charges. The writhe is that of this mesh, a node a base pair: natural
-/// strains jump twice inside an element. On two nodes a base pair it is −0.836.
+/// A figure-eight at Lk 16, its crossing held open by charges. The writhe is that of this mesh, a node a base pair:
+/// natural strains jump twice inside an element. On two nodes a base pair it is −0.836.
 #[test]
 fn a_minicircle_with_a_tracts_coils_up() {
     let all = steps("a_tract_minicircle");

@@ -80,9 +80,9 @@ fn alternating() -> (String, Vec<[f64; 6]>) {
     (table, steps)
 }
 
-/// Symptom: the steps of a free rod came out up to 8.3° and 0.52 Å off the table, and the mesh that the warning advised was
-/// worse. Mechanism: natural strains that jump inside an element were averaged, and base pairs read off the interpolation.
-/// Threshold: what the supports' tolerance leaves.
+/// Symptom: the steps of a free rod came out up to 8.3° and 0.52 Å off the table, and the mesh that the warning advised
+/// was worse. Mechanism: natural strains that jump inside an element were averaged, and base pairs read off the
+/// interpolation. Threshold: what the supports' tolerance leaves.
 #[test]
 fn a_free_rod_lies_at_its_own_steps_on_any_mesh() {
     let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("own_steps");

@@ -90,8 +90,8 @@ fn a_limit_on_memory_is_heeded() {
     std::fs::remove_dir_all(&dir).unwrap();
 }
 
-/// Symptom: wires 5000 nodes a diameter fine took 22 GB in `check`, until the system ended it. Mechanism: each element is
-/// kept in a pair with each that lies beside it within a diameter.
+/// Symptom: wires 5000 nodes a diameter fine took 22 GB in `check`, until the system ended it. Mechanism: each element
+/// is kept in a pair with each that lies beside it within a diameter.
 #[cfg(target_os = "linux")]
 #[test]
 fn pairs_of_elements_are_counted() {
@@ -107,8 +107,9 @@ fn pairs_of_elements_are_counted() {
     assert!(message.starts_with("rods.a.elements: 30000 elements are too many: 59400 lie on a contact"), "{message}");
 }
 
-/// Symptom: three wires 100 nodes a diameter fine were ended by the system after half a minute, without a word. Mechanism:
-/// the matrices couple each segment with all beside it, and so did the search for the smallest gap keep them.
+/// Symptom: three wires 100 nodes a diameter fine were ended by the system after half a minute, without a word.
+/// Mechanism: the matrices couple each segment with all beside it, and so did the search for the smallest gap keep
+/// them.
 #[cfg(target_os = "linux")]
 #[test]
 fn pairs_of_segments_are_counted_before_the_matrices_are_made() {
@@ -483,14 +484,15 @@ fn results_of_another_scene_are_kept() {
     std::fs::remove_dir_all(&dir).unwrap();
 }
 
-/// Symptom: a preset picked a mesh that was refused before the first iteration. Natural twist, link, turns and shapes that
-/// twist quickly take as many elements as they need.
+/// Symptom: a preset picked a mesh that was refused before the first iteration. Natural twist, link, turns and shapes
+/// that twist quickly take as many elements as they need.
 #[test]
 fn presets_pick_meshes_that_are_taken() {
     let ring = |keys: &str| {
         format!(
             "[[rods]]\nclosed = true\nshape = {{ kind = \"circle\", length = 100.0 }}\n\
-             section = {{ bending = 200.0, twisting = 300.0, stretching = 1e3, shearing = 1e3, contact_radius = 1.0 }}\n{keys}\n"
+             section = {{ bending = 200.0, twisting = 300.0, stretching = 1e3, shearing = 1e3, contact_radius = 1.0 \
+             }}\n{keys}\n"
         )
     };
     let preset = |word: &str, text: &str| format!("fidelity = \"{word}\"\n{text}");

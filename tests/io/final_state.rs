@@ -44,8 +44,8 @@ fn text(out: &std::process::Output) -> String {
     String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr)
 }
 
-/// Tension and shear turned into space are the load at its end, at every node; moments are the lever times the load. A rod
-/// without load has none.
+/// Tension and shear turned into space are the load at its end, at every node; moments are the lever times the load. A
+/// rod without load has none.
 #[test]
 fn resultants_balance_the_load() {
     let dir = folder("resultants");

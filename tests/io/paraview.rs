@@ -110,7 +110,10 @@ at = "end"
 position = true
 rotation = true
 [[stages]]
-ramp = { displacement = [{ rod = "above", at = "start", to = [0, 0, -0.1] }, { rod = "above", at = "end", to = [0, 0, -0.1] }] }
+ramp = { displacement = [
+    { rod = "above", at = "start", to = [0, 0, -0.1] },
+    { rod = "above", at = "end", to = [0, 0, -0.1] },
+] }
 steps = 2
 [output]
 picture = false

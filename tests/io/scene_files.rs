@@ -144,7 +144,8 @@ steps = 1
 /// The pose of the only ramp of the only stage.
 fn posed(keys: &str) -> Result<supercoil::scene::Pose, String> {
     let text = format!(
-        "{}\n[[supports]]\nat = \"end\"\nposition = true\nrotation = true\n[[stages]]\nsteps = 1\nramp = {{ pose = {{ at = \"end\", {keys} }} }}",
+        "{}\n[[supports]]\nat = \"end\"\nposition = true\nrotation = true\n[[stages]]\nsteps = 1\n\
+         ramp = {{ pose = {{ at = \"end\", {keys} }} }}",
         BEAM.split("[[supports]]").next().unwrap()
     );
     match read(&text).map_err(|error| error.to_string())?.stages[0].ramps[..] {

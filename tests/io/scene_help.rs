@@ -1,4 +1,5 @@
-//! `supercoil new` and `supercoil help`: scenes to begin with are accepted, and the reference of keys is that of the program.
+//! `supercoil new` and `supercoil help`: scenes to begin with are accepted, and the reference of keys is that of the
+//! program.
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 

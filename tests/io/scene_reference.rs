@@ -1,6 +1,6 @@
-//! The reference of keys (`supercoil help scene`) holds: each default that is written there is the one that a scene without
-//! the key has, and of each range of numbers or list of words the ends are taken and what is just outside is refused.
-//! What is told in words (`the only rod`) is listed here, so that nothing is left out unseen.
+//! The reference of keys (`supercoil help scene`) holds: each default that is written there is the one that a scene
+//! without the key has, and of each range of numbers or list of words the ends are taken and what is just outside is
+//! refused. What is told in words (`the only rod`) is listed here, so that nothing is left out unseen.
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
@@ -27,7 +27,8 @@ fn template(key: &Key) -> String {
     };
     let dna = |more: &str| {
         format!(
-            "[[rods]]\nname = \"dna\"\nelements = 12\nclosed = true\nshape = {{ kind = \"circle\" }}\ndna = {{ {more}@ }}\n"
+            "[[rods]]\nname = \"dna\"\nelements = 12\nclosed = true\nshape = {{ kind = \"circle\" }}\n\
+             dna = {{ {more}@ }}\n"
         )
     };
     let held = || "[[supports]]\nat = \"start\"\nposition = true\nrotation = true\n";
@@ -197,7 +198,8 @@ fn joined() -> String {
            [[joints]]\na = { rod = \"a\", at = \"end\" }\nb = { rod = \"b\", at = \"start\" }\n"
 }
 
-/// Path of a file that is written once: tests run side by side, and one must not read what the other has begun to write.
+/// Path of a file that is written once: tests run side by side, and one must not read what the other has begun to
+/// write.
 fn written(once: &OnceLock<String>, name: &str, write: impl FnOnce(&Path)) -> String {
     let path = || {
         let path = std::env::temp_dir().join(format!("supercoil_{name}_{}.csv", std::process::id()));

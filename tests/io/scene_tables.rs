@@ -148,8 +148,8 @@ fn a_helical_anisotropic_ring_comes_to_rest() {
     assert_eq!(run.unwrap().status, Status::Converged);
 }
 
-/// Measured points: the rise follows from their length where it is asked for; points too rough for the rod's thickness are
-/// refused with a smoothing length that makes a rod of them, and does.
+/// Measured points: the rise follows from their length where it is asked for; points too rough for the rod's thickness
+/// are refused with a smoothing length that makes a rod of them, and does.
 #[test]
 fn measured_points_are_fitted_and_smoothed() {
     use std::fmt::Write as _;
@@ -187,7 +187,8 @@ fn measured_points_are_fitted_and_smoothed() {
 fn knots_are_given_by_name_or_braid() {
     let read = |shape: &str| {
         let text = format!(
-            "[[rods]]\nclosed = CLOSED\nshape = {{ kind = \"knot\", {shape} }}\nsection = {{ {PLAIN} contact_radius = 0.01 }}\nelements = 60\n"
+            "[[rods]]\nclosed = CLOSED\nshape = {{ kind = \"knot\", {shape} }}\n\
+             section = {{ {PLAIN} contact_radius = 0.01 }}\nelements = 60\n"
         );
         let text = text.replace("CLOSED", if shape.contains("open") { "false" } else { "true" }).replace(", open", "");
         Scene::from_toml(&text.replace("900.0 ", "900.0, "), Path::new("")).map_err(|error| error.to_string())

@@ -227,14 +227,16 @@ fn rods_that_grow_keep_their_charges() {
     assert!((grown / still - 1.0).abs() < 1e-9, "{grown:e} {still:e}");
 }
 
-/// Symptom: a ring 10⁵ Debye lengths around did not end, one of 10¹⁴ ran out of memory. Mechanism: the Gauss points of a
-/// segment were as many as it takes to resolve the Debye length. Both are refused with their number, as are ramps there.
+/// Symptom: a ring 10⁵ Debye lengths around did not end, one of 10¹⁴ ran out of memory. Mechanism: the Gauss points of
+/// a segment were as many as it takes to resolve the Debye length. Both are refused with their number, as are ramps
+/// there.
 #[test]
 fn charges_that_the_mesh_is_too_coarse_for_are_refused() {
     let ring = |radius: f64, stage: &str| {
         let section = "bending = 1.0, twisting = 1.0, stretching = 1e5, shearing = 1e5, contact_radius = 0.01";
         let text = format!(
-            "[[rods]]\nname = \"ring\"\nclosed = true\nshape = {{ kind = \"circle\", radius = {radius:?} }}\nsection = {{ {section} }}\n\
+            "[[rods]]\nname = \"ring\"\nclosed = true\nshape = {{ kind = \"circle\", radius = {radius:?} }}\n\
+             section = {{ {section} }}\n\
              elements = 12\n[contact]\nelectrostatics = {{ strength = 1e-6, debye_length = 0.01 }}\n{stage}"
         );
         Scene::from_toml(&text, Path::new("")).map(|_| ()).map_err(|error| error.to_string())

@@ -104,7 +104,8 @@ fn sweeps_change_obstacles() {
     std::fs::remove_dir_all(&dir).ok();
     std::fs::create_dir_all(&dir).unwrap();
     let scene = "planar = true\n[[rods]]\nname = \"ring\"\nclosed = true\nshape = { kind = \"circle\", radius = 1.0 }\n\
-        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.05 }\nelements = 16\n\
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.05 }\n\
+        elements = 16\n\
         [[obstacles]]\nname = \"tube\"\nshape = \"cylinder\"\naxis = [0, 0, 1]\nside = \"inside\"\nradius = 1.1\n\
         [[stages]]\nramp = { obstacle = { radius = 1.045 } }\n";
     std::fs::write(dir.join("scene.toml"), scene).unwrap();

@@ -111,7 +111,8 @@ fn modes_free_energies_and_sensitivities_of_runs() {
 fn frequencies_of_a_wire() {
     let dir = folder("wire");
     let scene = "[[rods]]\nname = \"wire\"\nshape = { kind = \"line\", length = 100.0 }\nelements = 16\nmass = 0.02\n\
-                 section = { bending = 500.0, twisting = 400.0, stretching = 1e6, shearing = 1e6, contact_radius = 0.0 }\n\
+                 section = { bending = 500.0, twisting = 400.0, stretching = 1e6, shearing = 1e6, contact_radius = \
+                 0.0 }\n\
                  [[supports]]\nat = \"start\"\nposition = true\nrotation = [\"x\"]\n\
                  [[supports]]\nat = \"end\"\nposition = true\n\
                  [output]\nmodes = 1\n";

@@ -1,5 +1,5 @@
-//! The tasks of users of five kinds, each done as they would: a scene file, the command line, the files of the run. What
-//! single features do is tested elsewhere; here, that they can be had from a scene.
+//! The tasks of users of five kinds, each done as they would: a scene file, the command line, the files of the run.
+//! What single features do is tested elsewhere; here, that they can be had from a scene.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
@@ -34,7 +34,8 @@ fn rows_of(name: &str, scene: &str) -> Rows {
 fn clamped(more: &str, stages: &str) -> String {
     format!(
         "[[rods]]\nshape = {{ kind = \"line\", length = 1.0 }}\n\
-         section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.005 }}\n{more}\n\
+         section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.005 }}\n\
+         {more}\n\
          [[supports]]\nat = \"start\"\nposition = true\nrotation = true\n\
          [[supports]]\nat = \"end\"\nposition = true\nrotation = true\n{stages}\n\
          [output]\nvtk = false\npicture = false\n"
@@ -103,7 +104,8 @@ fn an_end_goes_to_a_pose() {
 fn supports_change_between_stages() {
     let stages = "[[stages]]\nramp = { displacement = { at = \"end\", to = [-0.05, 0.2, 0] } }\nsteps = 2\n\
                   [[stages]]\nrelease = [{ at = \"end\", position = true, rotation = true }]\nsteps = 1\n\
-                  [[stages]]\nhold = [{ at = \"end\", position = true }]\nramp = { displacement = { at = \"end\", to = [-0.05, 0.3, 0] } }\nsteps = 1";
+                  [[stages]]\nhold = [{ at = \"end\", position = true }]\n\
+                  ramp = { displacement = { at = \"end\", to = [-0.05, 0.3, 0] } }\nsteps = 1";
     let rows = rows_of("release", &clamped("elements = 8", stages));
     assert!(
         number(&rows[2], "total_energy") > 0.1 && number(&rows[3], "total_energy") < 1e-9,
@@ -149,8 +151,10 @@ fn link_is_counted_beyond_nature_or_in_all() {
 #[test]
 fn quantities_are_ramped() {
     let scene = "[[rods]]\nclosed = true\nshape = { kind = \"circle\", length = 1.0 }\n\
-                 section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.01 }\nelements = 24\n\
-                 [[stages]]\nramp = { length = { to = 2.0 }, section = { contact_radius = 0.02, bending = 2.0 } }\nsteps = 2\n\
+                 section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.01 \
+                 }\nelements = 24\n\
+                 [[stages]]\nramp = { length = { to = 2.0 }, section = { contact_radius = 0.02, bending = 2.0 } }\n\
+                 steps = 2\n\
                  [[stages]]\nramp = { natural = { curvature = [3.141592653589793, 0.0] } }\nsteps = 1\n\
                  [output]\nvtk = false\npicture = false\n";
     let rows = rows_of("ramps", scene);
@@ -184,8 +188,10 @@ fn measured_points_are_imported_smoothed_and_their_link_told() {
     let scene = |shape: &str, rod: &str| {
         format!(
             "[[rods]]\nname = \"knot\"\nclosed = true\nelements = 60\n\
-             shape = {{ kind = \"points\", file = \"knot.csv\", columns = [\"px\", \"py\", \"pz\"], scale = 0.1{shape} }}\n\
-             section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.1 }}\n{rod}\n\
+             shape = {{ kind = \"points\", file = \"knot.csv\", columns = [\"px\", \"py\", \"pz\"], scale = \
+             0.1{shape} }}\n\
+             section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.1 }}\n\
+             {rod}\n\
              [output]\nvtk = false\npicture = false\n"
         )
     };
@@ -272,7 +278,8 @@ fn a_run_starts_from_the_end_of_another() {
 /// Values that were asked for are met after steps were halved: the grid stays a grid.
 #[test]
 fn the_grid_is_met_after_a_step_was_halved() {
-    let turn = "[[stages]]\nramp = { rotation = { at = \"end\", axis = [1, 0, 0], turns = 3.0 } }\nsteps = 3\n[solver]\nmax_iterations = 4";
+    let turn = "[[stages]]\nramp = { rotation = { at = \"end\", axis = [1, 0, 0], turns = 3.0 } }\nsteps = 3\n\
+        [solver]\nmax_iterations = 4";
     let dir = folder("grid");
     let (_, printed, error) = run(&dir, &clamped("elements = 24", turn));
     let (_, rows) = table(&dir.join("out/table.csv"));
@@ -284,7 +291,8 @@ fn the_grid_is_met_after_a_step_was_halved() {
     std::fs::remove_dir_all(&dir).unwrap();
 }
 
-/// Sweepers: values from the command line, folders that say what they are, columns of one name in table, print and page.
+/// Sweepers: values from the command line, folders that say what they are, columns of one name in table, print and
+/// page.
 #[test]
 fn a_quantity_has_one_name() {
     let dir = folder("names");
@@ -376,8 +384,8 @@ fn narrow_terminals_are_not_overrun() {
     std::fs::remove_dir_all(&dir).unwrap();
 }
 
-/// The minicircle with the finest preset, at every step, whatever their size: apart, a point, which is long for a moment as
-/// it opens into two; three points, of which the middle one becomes a line.
+/// The minicircle with the finest preset, at every step, whatever their size: apart, a point, which is long for a
+/// moment as it opens into two; three points, of which the middle one becomes a line.
 #[test]
 fn a_supercoiled_ring_touches_along_a_line_between_two_points() {
     const ORDER: [&[&str]; 6] =
@@ -385,8 +393,10 @@ fn a_supercoiled_ring_touches_along_a_line_between_two_points() {
     for steps in [27, 30, 36] {
         let scene = format!(
             "fidelity = \"reference\"\n[[rods]]\nclosed = true\nshape = {{ kind = \"circle\", length = 114.24 }}\n\
-             section = {{ bending = 205.7, twisting = 308.6, stretching = 1100.0, shearing = 1100.0, contact_radius = 2.5 }}\n\
-             [[stages]]\nramp = {{ excess_link = {{ to = -3.0 }} }}\nsteps = {steps}\n[output]\nvtk = false\npicture = false\n"
+             section = {{ bending = 205.7, twisting = 308.6, stretching = 1100.0, shearing = 1100.0, contact_radius = \
+             2.5 }}\n\
+             [[stages]]\nramp = {{ excess_link = {{ to = -3.0 }} }}\nsteps = {steps}\n[output]\nvtk = false\n\
+             picture = false\n"
         );
         let dir = folder("ring");
         rows(&dir, &scene);

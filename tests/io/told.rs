@@ -121,11 +121,17 @@ fn lines_of_contact_have_their_pressure() {
 
 const TWO_WIRES: &str = r#"
 units = { length = "mm", force = "N" }
-rods = [
-    { name = "a", elements = 16, section = { young = 2e5, poisson = 0.3, circle = 1.5 }, shape = { kind = "line", start = [1.503, 0, 0], direction = [0, 0, 1], length = 120.0 } },
-    { name = "b", elements = 16, section = { young = 2e5, poisson = 0.3, circle = 1.5 }, shape = { kind = "line", start = [-1.503, 0, 0], direction = [0, 0, 1], length = 120.0 } },
-]
 loads = [{ rod = "a", at = "end", force = [0, 0, 2000] }, { rod = "b", at = "end", force = [0, 0, 2000] }]
+[[rods]]
+name = "a"
+elements = 16
+section = { young = 2e5, poisson = 0.3, circle = 1.5 }
+shape = { kind = "line", start = [1.503, 0, 0], direction = [0, 0, 1], length = 120.0 }
+[[rods]]
+name = "b"
+elements = 16
+section = { young = 2e5, poisson = 0.3, circle = 1.5 }
+shape = { kind = "line", start = [-1.503, 0, 0], direction = [0, 0, 1], length = 120.0 }
 [[supports]]
 rod = ["a", "b"]
 at = "start"
@@ -145,15 +151,16 @@ steps = 4
 picture = false
 "#;
 
-/// Largest deviation of a number from the mean of its neighbours, over the mean of all, where a line is away from its ends.
+/// Largest deviation of a number from the mean of its neighbours, over the mean of all, where a line is away from its
+/// ends.
 fn sawtooth(along: &[f64]) -> f64 {
     let inner = &along[along.len() / 4..along.len() - along.len() / 4];
     let mean = inner.iter().sum::<f64>() / inner.len() as f64;
     inner.windows(3).map(|three| (three[1] - 0.5 * (three[0] + three[2])).abs() / mean).fold(0.0, f64::max)
 }
 
-/// The contact force per length that ParaView, pictures and the viewer show has the resultant of the forces on nodes, and
-/// no sawtooth of the mesh: the forces on nodes have one.
+/// The contact force per length that ParaView, pictures and the viewer show has the resultant of the forces on nodes,
+/// and no sawtooth of the mesh: the forces on nodes have one.
 #[test]
 fn shown_pressure_has_the_resultant_and_no_sawtooth() {
     for elements in [16, 27] {
@@ -217,7 +224,8 @@ fn slips_are_warned_of() {
     let ring = |keys: &str, to: f64| {
         format!(
             "[[rods]]\nclosed = true\nshape = {{ kind = \"circle\", length = 100.0 }}\n\
-             section = {{ bending = 200.0, twisting = 300.0, stretching = 1e3, shearing = 1e3, contact_radius = 1.0 }}\n\
+             section = {{ bending = 200.0, twisting = 300.0, stretching = 1e3, shearing = 1e3, contact_radius = 1.0 \
+             }}\n\
              elements = 48\n{keys}\n[[stages]]\nramp = {{ excess_link = {{ to = {to:?} }} }}\nsteps = 30\n"
         )
     };
@@ -312,7 +320,9 @@ fn fits(root: &Value, schema: &Value, value: &Value) -> Result<(), String> {
 const ARCH: &str = r#"
 planar = true
 [[rods]]
-shape = { kind = "arc", radius = 1.0, turns = 0.2, tangent = [0.8090169943749475, 0.5877852522924731, 0.0], towards = [0.5877852522924731, -0.8090169943749475, 0.0] }
+shape = { kind = "arc", radius = 1.0, turns = 0.2, tangent = [0.8090169943749475, 0.5877852522924731, 0.0], towards = [
+    0.5877852522924731, -0.8090169943749475, 0.0
+] }
 section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.0 }
 natural = "as-shaped"
 elements = 16

@@ -132,7 +132,8 @@ fn tubes_lie_about_their_rods_and_have_the_colours_of_the_quantity() {
     let colors: Vec<[f32; 3]> = reader.read_colors(0).unwrap().into_rgb_f32().collect();
     let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
     assert!(colors.len() == positions.len() && indices.iter().all(|&i| (i as usize) < positions.len()));
-    // from viridis' dark violet at the first node to its yellow at the last, in linear light; the stripe is nearly white
+    // from viridis' dark violet at the first node to its yellow at the last, in linear light; the stripe is nearly
+    // white
     let near = |a: &[f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(x, y)| (x - y).abs() < 0.01);
     let (violet, yellow) = ([0.0578, 0.0003, 0.0887], [0.9823, 0.7991, 0.0185]);
     assert!(colors.iter().any(|c| near(c, violet)) && colors.iter().any(|c| near(c, yellow)));

@@ -3,8 +3,8 @@
 //!
 //! Promise: refused with an `InputError`, or taken; what is taken ends in bounded work, with finite numbers where it
 //! says it converged, sites within the range asked for, link conserved. Never a panic.
-//! `SUPERCOIL_FUZZ_SEED=7 cargo test --release --test properties fuzz_library -- --ignored` takes other inputs than the usual
-//! ones.
+//! `SUPERCOIL_FUZZ_SEED=7 cargo test --release --test properties fuzz_library -- --ignored` takes other inputs than the
+//! usual ones.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -35,7 +35,9 @@ fn number() -> impl Strategy<Value = f64> {
         80 => -2.0..2.0f64,
         20 => prop::sample::select(vec![0.0, 1.0, -1.0, 0.5, 0.25]),
         3 => (-12..12i32).prop_map(|decade| 10f64.powi(decade)),
-        2 => prop::sample::select(vec![f64::NAN, f64::INFINITY, -f64::INFINITY, 5e-324, -1e-310, 1e154, -1e300, f64::MAX]),
+        2 => prop::sample::select(
+            vec![f64::NAN, f64::INFINITY, -f64::INFINITY, 5e-324, -1e-310, 1e154, -1e300, f64::MAX],
+        ),
     ]
 }
 
@@ -115,7 +117,8 @@ fn rods(cases: u32) -> BTreeMap<&'static str, usize> {
     let frame = prop_oneof![
         3 => Just(Quat::identity()),
         3 => vector().prop_map(Quat::from_scaled_axis),
-        1 => (number(), number(), number(), number()).prop_map(|(w, x, y, z)| Quat::new_unchecked(Quaternion::new(w, x, y, z))),
+        1 => (number(), number(), number(), number())
+            .prop_map(|(w, x, y, z)| Quat::new_unchecked(Quaternion::new(w, x, y, z))),
     ];
     let nodes = (points(12), prop::collection::vec(frame, 0..12));
     runner(cases)
@@ -150,10 +153,14 @@ fn rods(cases: u32) -> BTreeMap<&'static str, usize> {
 
 fn shape() -> impl Strategy<Value = (Shape, bool)> {
     prop_oneof![
-        4 => (vector(), vector(), size()).prop_map(|(start, direction, length)| (Shape::Line { start, direction, length }, false)),
-        4 => (vector(), vector(), size()).prop_map(|(center, normal, length)| (Shape::Circle { center, normal, length }, true)),
+        4 => (vector(), vector(), size())
+            .prop_map(|(start, direction, length)| (Shape::Line { start, direction, length }, false)),
+        4 => (vector(), vector(), size())
+            .prop_map(|(center, normal, length)| (Shape::Circle { center, normal, length }, true)),
         1 => (vector(), vector(), size(), number(), size())
-            .prop_map(|(center, axis, radius, pitch, turns)| (Shape::Helix { center, axis, radius, pitch, turns }, false)),
+            .prop_map(|(center, axis, radius, pitch, turns)| {
+                (Shape::Helix { center, axis, radius, pitch, turns }, false)
+            }),
         1 => (points(8), any::<bool>()).prop_map(|(points, closed)| (Shape::Points(points), closed)),
     ]
 }
@@ -162,7 +169,9 @@ fn law() -> impl Strategy<Value = ContactLaw> {
     prop_oneof![
         2 => Just(ContactLaw::None),
         2 => size().prop_map(|stiffness| ContactLaw::Penalty { stiffness }),
-        3 => (size(), number()).prop_map(|(stiffness, tol)| ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-3 * tol.abs() }),
+        3 => (size(), number()).prop_map(|(stiffness, tol)| {
+            ContactLaw::AugmentedLagrangian { stiffness, tol_penetration: 1e-3 * tol.abs() }
+        }),
     ]
 }
 
@@ -189,7 +198,8 @@ fn models(cases: u32) -> BTreeMap<String, usize> {
         1 => (node.clone(), vector(), vector(), number())
             .prop_map(|(node, axis, through, to)| Ramp::RotationAbout { node, axis, through, to }),
         2 => (node.clone(), vector()).prop_map(|(node, to)| Ramp::Displacement { node, to: to * 0.1 }),
-        4 => (prop_oneof![5 => Just(0usize), 1 => 0..2usize], number()).prop_map(|(rod, to)| Ramp::ExcessLink { rod, to }),
+        4 => (prop_oneof![5 => Just(0usize), 1 => 0..2usize], number())
+            .prop_map(|(rod, to)| Ramp::ExcessLink { rod, to }),
         1 => (0..2usize, number()).prop_map(|(rod, to)| Ramp::Pressure { rod, to }),
     ];
     let problem = (

@@ -15,7 +15,8 @@ use supercoil::solve::{self, Options, Status};
 /// The last state of a scene of one rod, its contact radius .02, called "r".
 fn rest(closed: bool, shape: &str, section: &str, rest: &str) -> (Observation, Vec<f64>) {
     let text = format!(
-        "[[rods]]\nname = \"r\"\nclosed = {closed}\nshape = {{ {shape} }}\nsection = {{ {section}, contact_radius = 0.02 }}\nelements = 24\n\
+        "[[rods]]\nname = \"r\"\nclosed = {closed}\nshape = {{ {shape} }}\n\
+         section = {{ {section}, contact_radius = 0.02 }}\nelements = 24\n\
          natural = \"as-shaped\"\n{rest}"
     );
     let scene = Scene::from_toml(&text, Path::new(env!("CARGO_TARGET_TMPDIR"))).expect("sound scene");

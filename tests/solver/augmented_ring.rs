@@ -8,7 +8,8 @@
 //! ```
 //!
 //! * Twisted ring, D/L = .03, B = 1, C = 1.5, EA = GA = 1e9 B/L², 144 cubic elements, at the excess links 1.5,
-//!   2.1, 2.36, 2.6; κ from 1e8 to 1e14 B/L⁴. Reference with points: Kirchhoff rod by shooting (`common/kirchhoff_ring.rs`).
+//!   2.1, 2.36, 2.6; κ from 1e8 to 1e14 B/L⁴. Reference with points: Kirchhoff rod by shooting
+//!   (`common/kirchhoff_ring.rs`).
 //! * Ring under pressure p = 12 B/R³ (line contact begins at 10.3), D/R = .01, planar, EA = GA = 1e6 B/R², 64 cubic
 //!   elements; κ from 1e5 to 1e11 B/R⁴.
 //!
@@ -60,7 +61,8 @@ fn decades(solver: &mut Solver, radius: f64, first: i32) -> (Vec<Resultants>, Ve
         let found = [link[0], link[1], seen.total_contact_force];
         let sites: Vec<f64> = seen.sites.iter().map(|site| site.force).collect();
         println!(
-            "  κ 1e{decade}: writhe, torque, force {found:.8?}, penetration/D {:.1e}, outer {}, inner {}, softened {}, sites {sites:.3?}",
+            "  κ 1e{decade}: writhe, torque, force {found:.8?}, penetration/D {:.1e}, outer {}, inner {}, softened \
+             {}, sites {sites:.3?}",
             0.5 * report.penetration,
             report.augmentations,
             report.iterations,

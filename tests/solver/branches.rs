@@ -1,9 +1,9 @@
 //! A step that starts on a stable branch stays on it while it is stable, however much longer it is than the last one.
 //!
-//! A ring, D/L = .02, C/B = .7, nearly rigid in stretch and shear: wound to 2.6 turns it touches itself at two points. Unwound, that
-//! branch is stable to 2.46540 turns; the state with one contact lies .05 B/L lower at 2.48 (followed in 50 steps and in 400, on 48,
-//! 64 and 96 elements). Symptom: after small steps, one of ten times their length lost a contact: another state with
-//! writhe 1.238, and no note, because what it set free was 9.6 % of the step's work.
+//! A ring, D/L = .02, C/B = .7, nearly rigid in stretch and shear: wound to 2.6 turns it touches itself at two points.
+//! Unwound, that branch is stable to 2.46540 turns; the state with one contact lies .05 B/L lower at 2.48 (followed in
+//! 50 steps and in 400, on 48, 64 and 96 elements). Symptom: after small steps, one of ten times their length lost a
+//! contact: another state with writhe 1.238, and no note, because what it set free was 9.6 % of the step's work.
 
 use crate::common;
 
@@ -60,8 +60,8 @@ fn a_long_step_stays_on_its_branch() {
     }
 }
 
-/// Past the end of the branch it snaps, to the state that small steps lead to. In the long step the energy set free is extrapolated over
-/// half of it, past the end of the branch: .34 B/L, where 30 steps set .17 free.
+/// Past the end of the branch it snaps, to the state that small steps lead to. In the long step the energy set free is
+/// extrapolated over half of it, past the end of the branch: .34 B/L, where 30 steps set .17 free.
 #[test]
 fn the_end_of_a_branch_is_a_snap() {
     let states = wound(64, &[(2.6, 13), (2.5, 50), (2.44, 1)]);

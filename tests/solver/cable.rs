@@ -20,8 +20,8 @@ const LENGTH: f64 = 3.0;
 const TWISTING: f64 = 0.5;
 const LAST: usize = 24;
 
-/// Parallel strands through these points of the plane z = 0, clamped at both ends; the far ends slide along z where they
-/// are pulled.
+/// Parallel strands through these points of the plane z = 0, clamped at both ends; the far ends slide along z where
+/// they are pulled.
 fn strands(points: &[Vec3], radius: f64, pull: f64) -> Model {
     let section = Section::isotropic(1.0, TWISTING, 1e4, 1e4, radius);
     let strand = |start: &Vec3| {
@@ -144,8 +144,8 @@ fn whole_turns_count() {
     assert_eq!(at_once.step_to(&[turn(0.08)]).unwrap().status, Status::Converged);
 }
 
-/// Three pulled strands whose far ends are turned about their common axis wind about it by as much, held apart by contact; the
-/// clamps end where the rotation says, free along the axis only.
+/// Three pulled strands whose far ends are turned about their common axis wind about it by as much, held apart by
+/// contact; the clamps end where the rotation says, free along the axis only.
 #[test]
 fn strands_are_wound_by_whole_turns() {
     let (axis, through, to) = (Vec3::z(), Vec3::x(), 1.0);

@@ -30,14 +30,16 @@ fn of_text(text: &str) -> Vec<Observation> {
     states(Scene::from_toml(text, Path::new("")).unwrap())
 }
 
-/// Symptom: a ring without contact had link 0 where 4 was prescribed, and nothing said so. Without contact its strands pass
-/// through each other, as theory has it (the ring turns over at a link of √3 B/C, and comes back to the circle with two turns less).
+/// Symptom: a ring without contact had link 0 where 4 was prescribed, and nothing said so. Without contact its strands
+/// pass through each other, as theory has it (the ring turns over at a link of √3 B/C, and comes back to the circle
+/// with two turns less).
 #[test]
 fn a_link_that_is_lost_without_contact_is_noted() {
     let ring = |twisting: f64, to: f64| {
         format!(
             "[[rods]]\nclosed = true\nelements = 32\nshape = {{ kind = \"circle\", length = 1.0 }}\n\
-             section = {{ bending = 1.0, twisting = {twisting}, stretching = 1e5, shearing = 1e5, contact_radius = 0.01 }}\n\
+             section = {{ bending = 1.0, twisting = {twisting}, stretching = 1e5, shearing = 1e5, contact_radius = \
+             0.01 }}\n\
              [contact]\nlaw = \"none\"\n[[stages]]\nramp = {{ excess_link = {{ to = {to} }} }}\nsteps = 12\n"
         )
     };
@@ -58,9 +60,9 @@ fn a_link_that_is_lost_without_contact_is_noted() {
     assert!(lost_in_all > 3, "{lost_in_all}");
 }
 
-/// Symptom: sites with a force of 5e-7 of the strongest at gaps of 2e-4, whose force on a strand was larger than the integral of
-/// their pressure, and a snap that set 0.0000 free where nothing had moved. Mechanism: where the feet of a strand run forth and back
-/// on a thick rod, what is counted twice is subtracted, but was not in the report.
+/// Symptom: sites with a force of 5e-7 of the strongest at gaps of 2e-4, whose force on a strand was larger than the
+/// integral of their pressure, and a snap that set 0.0000 free where nothing had moved. Mechanism: where the feet of a
+/// strand run forth and back on a thick rod, what is counted twice is subtracted, but was not in the report.
 #[test]
 fn a_site_that_carries_nothing_is_none() {
     for name in ["site_without_force", "site_without_force_longer"] {
@@ -79,7 +81,8 @@ fn a_site_that_carries_nothing_is_none() {
     }
 }
 
-/// A torus knot with its ends apart by a part of a turn, in an open rod that is straight by nature and clamped at one end.
+/// A torus knot with its ends apart by a part of a turn, in an open rod that is straight by nature and clamped at one
+/// end.
 fn open_knot(windings: [f64; 2], hand: f64, gap: f64) -> Model {
     let [around, across] = windings;
     let point = |k: usize| {
@@ -94,8 +97,8 @@ fn open_knot(windings: [f64; 2], hand: f64, gap: f64) -> Model {
     Model { rods: vec![rod], supports, ..Model::default() }
 }
 
-/// Symptom: a knot with short tails slid off while its start was searched for, every row said 0_1, and no note that it had been
-/// another. The note compares with the shape as given.
+/// Symptom: a knot with short tails slid off while its start was searched for, every row said 0_1, and no note that it
+/// had been another. The note compares with the shape as given.
 #[test]
 fn a_knot_that_slips_off_before_the_first_step_is_noted() {
     for (windings, hand, name) in [([2.0, 3.0], 1.0, "3_1*"), ([2.0, 3.0], -1.0, "3_1"), ([2.0, 5.0], 1.0, "5_1*")] {
@@ -113,12 +116,13 @@ fn a_knot_that_slips_off_before_the_first_step_is_noted() {
     }
 }
 
-/// Symptom: forces of sites were off balance on the nodes of a knot by 6e-3, and beside their normals. Mechanism: a strand bent about
-/// another one as tightly as they are thick has many nearest points on it; what is subtracted between two of them acts at arcs of
-/// neither site. The sites on either side of it are one contact.
+/// Symptom: forces of sites were off balance on the nodes of a knot by 6e-3, and beside their normals. Mechanism: a
+/// strand bent about another one as tightly as they are thick has many nearest points on it; what is subtracted between
+/// two of them acts at arcs of neither site. The sites on either side of it are one contact.
 #[test]
 fn contacts_of_strands_bent_about_each_other_balance() {
-    // the first fails if sites have the arcs of one strand's zones only, the second has 12 sites if zones of a fold are not joined
+    // the first fails if sites have the arcs of one strand's zones only, the second has 12 sites if zones of a fold are
+    // not joined
     for (name, sites) in [("knot_6_3_at_rest", 8), ("knot_8_8_at_rest", 11)] {
         let states = of_file(name);
         let start = &states[0];
@@ -136,7 +140,8 @@ fn stretched_strands_touch_where_they_are() {
         format!(
             "[[rods]]\nname = \"{name}\"\nelements = {elements}\n\
              shape = {{ kind = \"helix\", radius = 0.05, pitch = 0.4, turns = {turns}, center = [0, 0, {center}] }}\n\
-             section = {{ bending = 1, twisting = 1, stretching = {stretching}, shearing = 1e4, contact_radius = 0.0495 }}\n"
+             section = {{ bending = 1, twisting = 1, stretching = {stretching}, shearing = 1e4, contact_radius = \
+             0.0495 }}\n"
         )
     };
     for (of_rod, way) in [([2.0, 300.0, 16.0], 0.25), ([1.5, 400.0, 14.0], 0.2)] {

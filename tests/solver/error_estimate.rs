@@ -2,8 +2,8 @@
 //!
 //! Promise of [`estimate_error`]: where one of its parts, mesh or contact law, makes the error, error and estimate are
 //! within a factor of two of each other; where both do, the error is not above one and a half times their sum (Bathe
-//! bend and twisted ring, references as in `bathe_bolourchi` and `twisted_ring`). On twisted rings in general the error is
-//! not above [`COVERS`] times their sum.
+//! bend and twisted ring, references as in `bathe_bolourchi` and `twisted_ring`). On twisted rings in general the error
+//! is not above [`COVERS`] times their sum.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -152,8 +152,8 @@ fn scenes_tell_their_error_on_request() {
     }
 }
 
-/// How the estimate covers the errors of twisted rings: thin and thick, one and two points of contact and a line, on meshes
-/// that a user would choose.
+/// How the estimate covers the errors of twisted rings: thin and thick, one and two points of contact and a line, on
+/// meshes that a user would choose.
 #[test]
 #[ignore = "slow: 40 states, each on three meshes, two minutes"]
 fn estimates_of_twisted_rings_cover_their_errors() {
@@ -199,7 +199,8 @@ fn estimates_of_twisted_rings_cover_their_errors() {
         }
     }
     println!(
-        "{count} states: energy, writhe, moment, force off by at most {worst:.2?} times the estimate; beyond it: {beyond:?}"
+        "{count} states: energy, writhe, moment, force off by at most {worst:.2?} times the estimate; beyond it: \
+         {beyond:?}"
     );
     assert!(worst.iter().all(|ratio| *ratio < COVERS), "{worst:?}");
 }

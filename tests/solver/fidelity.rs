@@ -295,8 +295,9 @@ fn the_minicircle_with_every_preset() {
 }
 
 /// Symptom: bends that arise from a straight start, here the neck of a planar loop that closes, outgrew the mesh that a
-/// preset had chosen: the energy was off by 2 %, the contact force by 14 %, and nothing was reported. The estimate of the
-/// mesh's error is within a factor of three of the error, and the note appears where the preset's word does not hold.
+/// preset had chosen: the energy was off by 2 %, the contact force by 14 %, and nothing was reported. The estimate of
+/// the mesh's error is within a factor of three of the error, and the note appears where the preset's word does not
+/// hold.
 #[test]
 fn bends_that_outgrow_the_mesh_are_reported() {
     let text = |more: &str| {

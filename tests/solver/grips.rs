@@ -19,15 +19,17 @@ fn run(text: &str) -> (Solution, Vec<Observation>) {
 const SECTION: &str =
     "section = { bending = 1.0, twisting = 1.0, stretching = 1e5, shearing = 1e5, contact_radius = 0.01 }";
 
-/// A cantilever with a ball at its end, above the middle of a beam across it that is clamped at both ends; the clamp of the
-/// cantilever goes down by `depth` beyond the height at which the ball touches.
+/// A cantilever with a ball at its end, above the middle of a beam across it that is clamped at both ends; the clamp of
+/// the cantilever goes down by `depth` beyond the height at which the ball touches.
 fn pressed(carrier: &str, depth: f64) -> String {
     let height = 0.21;
     format!(
-        "[[rods]]\nname = \"beam\"\nshape = {{ kind = \"line\", start = [-1, 0, 0], direction = [1, 0, 0], length = 2.0 }}\n\
+        "[[rods]]\nname = \"beam\"\nshape = {{ kind = \"line\", start = [-1, 0, 0], direction = [1, 0, 0], length = \
+         2.0 }}\n\
          {SECTION}\nelements = 16\n\
          [[rods]]\nname = \"arm\"\n\
-         shape = {{ kind = \"line\", start = [0, -1, {height:?}], direction = [0, 1, 0], length = 1.0 }}\n{SECTION}\nelements = 8\n\
+         shape = {{ kind = \"line\", start = [0, -1, {height:?}], direction = [0, 1, 0], length = 1.0 }}\n{SECTION}\n\
+         elements = 8\n\
          {carrier}\n\
          [[supports]]\nrod = \"beam\"\nat = \"start\"\nposition = true\nrotation = true\n\
          [[supports]]\nrod = \"beam\"\nat = \"end\"\nposition = true\nrotation = true\n\
@@ -37,8 +39,8 @@ fn pressed(carrier: &str, depth: f64) -> String {
     )
 }
 
-/// The ball presses with F = depth/(L³/192B + l³/3B), which the clamps of the beam share; the clamp of the arm bears F, and F l
-/// about the beam.
+/// The ball presses with F = depth/(L³/192B + l³/3B), which the clamps of the beam share; the clamp of the arm bears F,
+/// and F l about the beam.
 #[test]
 fn a_bead_presses_on_a_beam() {
     let depth = 0.01;
@@ -57,8 +59,8 @@ fn a_bead_presses_on_a_beam() {
     assert!((moved.displacement.z + force / 24.0).abs() < 0.02 * force / 24.0, "{moved:?}");
 }
 
-/// A grip that prolongs the arm, and lies on the beam with its side, a = 0.2 beyond the arm's end: a force F there deflects it by
-/// F (l³/3 + l² a + l a²)/B, and the clamp bears F (l + a).
+/// A grip that prolongs the arm, and lies on the beam with its side, a = 0.2 beyond the arm's end: a force F there
+/// deflects it by F (l³/3 + l² a + l a²)/B, and the clamp bears F (l + a).
 #[test]
 fn a_grip_bears_as_the_rod_would() {
     let text = pressed("", 0.0)
@@ -76,17 +78,19 @@ fn a_grip_bears_as_the_rod_would() {
     assert!((arm[1].x.abs() / arm[0].z.abs() - l - a).abs() < 2e-3, "{}", arm[1].x / arm[0].z);
 }
 
-/// A ring about a hanging rod, wider than the rod and narrower than the ball at its lower end, falls onto the ball and tilts until the
-/// rod is in its way: the clamp of the rod bears its weight.
+/// A ring about a hanging rod, wider than the rod and narrower than the ball at its lower end, falls onto the ball and
+/// tilts until the rod is in its way: the clamp of the rod bears its weight.
 #[test]
 fn a_ring_hangs_on_a_bead() {
     let text = "gravity = [0.0, 0.0, -1.0]\n[[rods]]\nname = \"stick\"\n\
         shape = { kind = \"line\", direction = [0.1, 0.0, -1.0], length = 3.0 }\n\
-        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }\nelements = 12\n\
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }\n\
+        elements = 12\n\
         beads = [{ at = \"end\", radius = 0.5, name = \"bob\" }]\n\
         [[rods]]\nname = \"ring\"\nclosed = true\n\
         shape = { kind = \"circle\", radius = 0.45, center = [0.26, 0.0, -2.5], normal = [0.1, 0.05, -1.0] }\n\
-        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }\nelements = 12\n\
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }\n\
+        elements = 12\n\
         weight = 0.05\n[[supports]]\nrod = \"stick\"\nat = \"start\"\nposition = true\nrotation = true\n";
     let (_, seen) = run(text);
     let (last, weight) = (&seen[0], 0.05 * 0.45 * std::f64::consts::TAU);
@@ -108,7 +112,8 @@ fn an_overhand_knot_stays_tied() {
     assert!(pressed > 1.0, "{pressed}");
 }
 
-/// The same rope, its ends pushed together until the loop is wide: over a point it slips and the knot is gone, over a grip it does not.
+/// The same rope, its ends pushed together until the loop is wide: over a point it slips and the knot is gone, over a
+/// grip it does not.
 #[test]
 fn a_knot_slips_over_points_and_not_over_grips() {
     let template = TEMPLATES.iter().find(|template| template.name == "overhand").unwrap();
@@ -127,8 +132,8 @@ fn a_knot_slips_over_points_and_not_over_grips() {
     assert!(sum.norm() < 1e-6, "{sum}");
 }
 
-/// Tweezers at a force so low that loops pass over the ends: between points all six turns are lost, between grips, or beads as large as
-/// the magnetic ones are for short molecules, none.
+/// Tweezers at a force so low that loops pass over the ends: between points all six turns are lost, between grips, or
+/// beads as large as the magnetic ones are for short molecules, none.
 #[test]
 fn tweezers_keep_every_turn() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/tweezers.toml");

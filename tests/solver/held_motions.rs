@@ -108,9 +108,12 @@ fn pressed_ring_clamped_at_one_node() {
 fn heavy_ring_clamped_at_one_node() {
     let hung = |normal: [f64; 3], weight: [f64; 3], planar: bool| {
         let text = format!(
-            "planar = {planar}\n[[rods]]\nname = \"ring\"\nclosed = true\nshape = {{ kind = \"circle\", radius = 1.0, normal = {normal:?} }}\n\
-             section = {{ bending = 1.0, twisting = 1.5, stretching = 1e6, shearing = 1e6, contact_radius = 0.02 }}\nelements = 32\n\
-             [[supports]]\nat = 0\nposition = true\nrotation = true\n[[line_loads]]\nforce = {weight:?}\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = 5\n"
+            "planar = {planar}\n[[rods]]\nname = \"ring\"\nclosed = true\n\
+             shape = {{ kind = \"circle\", radius = 1.0, normal = {normal:?} }}\n\
+             section = {{ bending = 1.0, twisting = 1.5, stretching = 1e6, shearing = 1e6, contact_radius = 0.02 }}\n\
+             elements = 32\n\
+             [[supports]]\nat = 0\nposition = true\nrotation = true\n[[line_loads]]\nforce = {weight:?}\n[[stages]]\n\
+             ramp = {{ load = 1.0 }}\nsteps = 5\n"
         );
         let scene = Scene::from_toml(&text, Path::new("")).unwrap();
         let (mut last, mut escapes) = (None, 0);
@@ -139,8 +142,8 @@ fn heavy_ring_clamped_at_one_node() {
 }
 
 /// A clamped rod whose end moves to coordinates of six digits, so that its ends are coaxial but for 1e-6, and is turned
-/// there: it turns about the line between the ends as freely as one whose ends are coaxial to rounding. No step is halved.
-/// Before that counted as free, searches neither found the valley that the last digits make nor left it alone.
+/// there: it turns about the line between the ends as freely as one whose ends are coaxial to rounding. No step is
+/// halved. Before that counted as free, searches neither found the valley that the last digits make nor left it alone.
 #[test]
 fn ends_are_coaxial_to_six_digits() {
     let scene = Scene::from_toml(
@@ -150,7 +153,8 @@ section = { bending = 1.0, twisting = 1.7, stretching = 5.8e4, shearing = 4.9e4,
 [[supports]]\nat = \"start\"\nposition = true\nrotation = true
 [[supports]]\nat = \"end\"\nposition = true\nrotation = true
 [[stages]]\nramp = { displacement = { at = \"end\", to = [0.468157, -0.339803, 0.0326194] } }\nsteps = 18
-[[stages]]\nramp = { rotation = { at = \"end\", axis = [-0.808007, 0.586477, -0.0562989], turns = 1.467 } }\nsteps = 6\n",
+[[stages]]\nramp = { rotation = { at = \"end\", axis = [-0.808007, 0.586477, -0.0562989], turns = 1.467 } }\n\
+steps = 6\n",
         Path::new("."),
     )
     .unwrap();

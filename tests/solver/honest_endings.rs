@@ -108,7 +108,8 @@ fn a_bend_tighter_than_the_radius_is_told() {
     let text = |radius: f64| {
         format!(
             "planar = true\n[[rods]]\nname = \"rod\"\nelements = 24\nshape = {{ kind = \"line\", length = 1.0 }}\n\
-             section = {{ bending = 1.0, twisting = 1.0, stretching = 1e3, shearing = 1e3, contact_radius = {radius} }}\n\
+             section = {{ bending = 1.0, twisting = 1.0, stretching = 1e3, shearing = 1e3, contact_radius = {radius} \
+             }}\n\
              [[supports]]\nat = \"start\"\nposition = true\nrotation = true\n\
              [[loads]]\nat = \"end\"\nforce = [-40, 4, 0]\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = 2\n"
         )
@@ -121,9 +122,9 @@ fn a_bend_tighter_than_the_radius_is_told() {
     assert_eq!((solution.status, last.notes.len()), (Status::Converged, 0), "{:?}", last.notes);
 }
 
-/// Symptom: "load step too small" where a rod is bent as tightly as it is thick. A ring's tube grows until opposite points
-/// touch, which is where curvature × contact radius is 1: there is no way on. The ending says so, and where. No state on the
-/// way has tubes inside each other.
+/// Symptom: "load step too small" where a rod is bent as tightly as it is thick. A ring's tube grows until opposite
+/// points touch, which is where curvature × contact radius is 1: there is no way on. The ending says so, and where. No
+/// state on the way has tubes inside each other.
 #[test]
 fn a_run_that_ends_bent_as_tightly_as_it_is_thick_says_so() {
     let ring = |ramp: &str| {
@@ -176,7 +177,8 @@ fn a_softer_law_is_told() {
 }
 
 /// A site tells its force as a vector, what strand a feels, and where the strands are nearest: on crossed beams that
-/// overlap by .01 at the start the line between the feet is the force's and a contact distance long, and the supports carry it.
+/// overlap by .01 at the start the line between the feet is the force's and a contact distance long, and the supports
+/// carry it.
 #[test]
 fn sites_tell_direction_and_place() {
     let (solution, last) = run(beams(0.03, false));
@@ -197,7 +199,8 @@ fn sites_tell_direction_and_place() {
 fn a_rod_that_nothing_can_catch_is_said_to_fall() {
     let text = format!(
         "[[rods]]\nname = \"a\"\nelements = 4\n{SECTION}\nshape = {{ kind = \"line\", length = 1.0 }}\n\
-         [[rods]]\nname = \"b\"\nelements = 4\n{SECTION}\nshape = {{ kind = \"line\", start = [0, 0, -0.05], length = 1.0 }}\n\
+         [[rods]]\nname = \"b\"\nelements = 4\n{SECTION}\n\
+         shape = {{ kind = \"line\", start = [0, 0, -0.05], length = 1.0 }}\n\
          {}[[line_loads]]\nrod = \"b\"\nforce = [0, 0, -1]\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = 1\n",
         clamps(&["a"])
     );
@@ -208,10 +211,10 @@ fn a_rod_that_nothing_can_catch_is_said_to_fall() {
     assert!(solution.status != Status::Converged && failure.contains("rod \"b\" falls for ever"), "{failure}");
 }
 
-/// A heavy beam on two bearers, the nodes above these held at their height by supports, too, that are lowered until nothing
-/// is left on them. With spans ℓ = 0.6, overhangs c = 0.2 and bearers of length L = 0.4 clamped at both ends, B = 1, GA = 10⁴, weight q = 1: the
-/// bearers give way by F L³/192 + F L/(4 GA) under F = q/2, and the middle is lower than the beam above them by
-/// q ℓ² (5ℓ² − 24c²)/384 + q ℓ²/(8 GA).
+/// A heavy beam on two bearers, the nodes above these held at their height by supports, too, that are lowered until
+/// nothing is left on them. With spans ℓ = 0.6, overhangs c = 0.2 and bearers of length L = 0.4 clamped at both ends, B
+/// = 1, GA = 10⁴, weight q = 1: the bearers give way by F L³/192 + F L/(4 GA) under F = q/2, and the middle is lower
+/// than the beam above them by q ℓ² (5ℓ² − 24c²)/384 + q ℓ²/(8 GA).
 #[test]
 fn a_rod_comes_to_rest_on_others_as_the_advice_says() {
     let bearer = |name: &str, x: f64| {
@@ -276,8 +279,8 @@ fn a_rod_comes_to_rest_on_others_as_the_advice_says() {
 
 /// A search that has no way on says so. A thick cantilever is folded back by its tip, which is to end inside its clamp.
 /// Symptom: no step accepted and no end in 100 s. Mechanism: steps shorter than the tolerance are taken whatever the
-/// potential says, each took the count of rejections back to nothing, and so a search whose shift had grown to 10³⁴, its
-/// forces out of balance by a hundredth, went on by 10⁻³⁰ node spacings up to `max_iterations`, in every try.
+/// potential says, each took the count of rejections back to nothing, and so a search whose shift had grown to 10³⁴,
+/// its forces out of balance by a hundredth, went on by 10⁻³⁰ node spacings up to `max_iterations`, in every try.
 #[test]
 fn a_search_without_a_way_on_ends() {
     let section = SECTION.replace("0.02", "0.1").replace("1e4", "1e3");

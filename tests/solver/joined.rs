@@ -1,7 +1,8 @@
 //! Joined nodes stay joined: states do not depend on the number of load steps, forwards and back.
 //!
-//! * A cantilever cut in two and joined, and cut in two with the second half at its own angle about the axis: its tip is
-//!   that of the whole rod. (When predictions moved nodes one by one: −.1327, −.0748, −.0555, −.0361 in 1, 2, 3, 6 steps.)
+//! * A cantilever cut in two and joined, and cut in two with the second half at its own angle about the axis: its tip
+//!   is that of the whole rod. (When predictions moved nodes one by one: −.1327, −.0748, −.0555, −.0361 in 1, 2, 3, 6
+//!   steps.)
 //! * Three rods joined at a point, at angles.
 //! * A rod bent to a circle and joined to itself.
 //! * A ring that is wound while it is joined to a clamped strut.
@@ -56,8 +57,8 @@ fn place(solver: &Solver, at: NodeRef) -> (Vec3, Quat) {
     (engine.positions(at.rod)[at.node], engine.frames(at.rod)[at.node])
 }
 
-/// Energy and position of the last node at the end of a ramp from 0 in so many steps. Joined nodes coincide after each step, their
-/// frames are as they were joined; back in as many steps the energy is 0 again.
+/// Energy and position of the last node at the end of a ramp from 0 in so many steps. Joined nodes coincide after each
+/// step, their frames are as they were joined; back in as many steps the energy is 0 again.
 fn end_in_steps(model: &Model, ramp: impl Fn(f64) -> Ramp, steps: usize) -> (f64, Vec3) {
     let mut solver = Solver::new(model.clone(), Options::default()).unwrap();
     let turned = |solver: &Solver, joint: &Joint| {
@@ -188,8 +189,8 @@ fn a_joint_is_moved_like_a_node_of_a_rod() {
     }
 }
 
-/// A pin that is displaced takes both rods along; what turns one of them leaves the other alone. A rigid joint turns with
-/// either. Nodes brought to a pose take joined ones along. The certificate holds.
+/// A pin that is displaced takes both rods along; what turns one of them leaves the other alone. A rigid joint turns
+/// with either. Nodes brought to a pose take joined ones along. The certificate holds.
 #[test]
 fn pins_and_poses_move() {
     let halves = vec![line("a", Vec3::zeros(), Vec3::x()), line("b", Vec3::x(), Vec3::y())];

@@ -1,4 +1,5 @@
-//! Contact that presses lightly beside the stiffness of its law: displacements far below any tolerance change its forces.
+//! Contact that presses lightly beside the stiffness of its law: displacements far below any tolerance change its
+//! forces.
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
@@ -42,8 +43,9 @@ fn beams(elements: usize, law: ContactLaw, tol_increment: f64) -> (f64, usize) {
 }
 
 /// Symptom: on 24 elements the force of two beams was told as .135 for .122. Mechanism: plain searches ended with the
-/// first increment below the tolerance, 1e-8 of the node spacing, whatever it did to contact that is so stiff that 1e-12
-/// change its force by a tenth. The reference is that of a plain penalty, whose searches are those of the trust region.
+/// first increment below the tolerance, 1e-8 of the node spacing, whatever it did to contact that is so stiff that
+/// 1e-12 change its force by a tenth. The reference is that of a plain penalty, whose searches are those of the trust
+/// region.
 #[test]
 fn forces_of_light_contact_are_in_balance() {
     for elements in [15, 16, 17, 23, 24, 25, 48] {
@@ -57,8 +59,8 @@ fn forces_of_light_contact_are_in_balance() {
     }
 }
 
-/// Symptom: on 67 elements the most exact preset's force was off by 1.1e-3, where it states 5e-4. Mechanism: a search that
-/// was at rest might leave a thousandth of the largest contact force out of balance on every node.
+/// Symptom: on 67 elements the most exact preset's force was off by 1.1e-3, where it states 5e-4. Mechanism: a search
+/// that was at rest might leave a thousandth of the largest contact force out of balance on every node.
 #[test]
 fn light_contact_is_as_exact_as_its_preset_states() {
     let augmented = ContactLaw::AugmentedLagrangian { stiffness: 1e3, tol_penetration: 1e-8 };
@@ -72,8 +74,8 @@ fn light_contact_is_as_exact_as_its_preset_states() {
     }
 }
 
-/// Symptom: on drafts' meshes these steps took 400 to 1000 iterations. Mechanism: steps below the tolerance of increments,
-/// 1e-4 of the node spacing, were accepted without a look at the potential, which they raised by a tenth.
+/// Symptom: on drafts' meshes these steps took 400 to 1000 iterations. Mechanism: steps below the tolerance of
+/// increments, 1e-4 of the node spacing, were accepted without a look at the potential, which they raised by a tenth.
 #[test]
 fn small_steps_lower_the_potential() {
     for elements in [8, 9, 10] {
@@ -82,8 +84,8 @@ fn small_steps_lower_the_potential() {
     }
 }
 
-/// Bending energy and iterations of clamped rods of bending stiffness 1 and length 10, on top of each other and exactly touching;
-/// a line load bends the uppermost.
+/// Bending energy and iterations of clamped rods of bending stiffness 1 and length 10, on top of each other and exactly
+/// touching; a line load bends the uppermost.
 fn stacked(count: usize, elements: usize, load: f64, steps: usize) -> (f64, usize) {
     let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.25);
     let rod = |k: usize| {
@@ -109,9 +111,10 @@ fn stacked(count: usize, elements: usize, load: f64, steps: usize) -> (f64, usiz
     (energy, solution.iterations)
 }
 
-/// Symptom: two rods whose clamps hold them touching ended with penetration above the tolerance at a sixth of their load, after
-/// a hundred iterations a step. Mechanism: offsets were raised by gaps alone; pressures that vary from node to node take hundreds of
-/// rounds so. Rods on top of each other share the load; each bends like a lone one under its share.
+/// Symptom: two rods whose clamps hold them touching ended with penetration above the tolerance at a sixth of their
+/// load, after a hundred iterations a step. Mechanism: offsets were raised by gaps alone; pressures that vary from node
+/// to node take hundreds of rounds so. Rods on top of each other share the load; each bends like a lone one under its
+/// share.
 #[test]
 fn rods_that_touch_at_their_clamps_share_a_load() {
     for elements in [6, 10, 17] {

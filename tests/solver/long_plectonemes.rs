@@ -15,8 +15,8 @@ use supercoil::rod::{Natural, Plectoneme, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Model, Ramp};
 use supercoil::solve::{Options, Solver, Status};
 
-/// A plectoneme of so many cubic elements, each as long as stated, strands this far apart at the start, under the law by
-/// its mesh (κ' = 81 for elements of 5 nm), and its link in turns.
+/// A plectoneme of so many cubic elements, each as long as stated, strands this far apart at the start, under the law
+/// by its mesh (κ' = 81 for elements of 5 nm), and its link in turns.
 fn plectoneme(elements: usize, each: f64, distance: f64) -> (Solver, f64) {
     let length = each * elements as f64;
     let turns = -0.06 * length / (0.34 * 10.5);
@@ -57,17 +57,17 @@ fn rests(elements: usize) {
     assert!(report.penetration <= 1e-8);
 }
 
-/// Thirty thousand nodes, whose strands slide along each other in long waves that hardly anything resists: the potential
-/// has ended falling long before these do, a tenth less in each iteration. Given up after 20 iterations the rod started
-/// from the beginning, and did not come to rest in hundreds.
+/// Thirty thousand nodes, whose strands slide along each other in long waves that hardly anything resists: the
+/// potential has ended falling long before these do, a tenth less in each iteration. Given up after 20 iterations the
+/// rod started from the beginning, and did not come to rest in hundreds.
 #[test]
 #[ignore = "a minute"]
 fn long_waves_of_sliding_are_waited_for() {
     rests(9999);
 }
 
-/// A hundred thousand nodes under the default law, which is softer on so long a rod (two layers (B/κ)^¼ between nodes do not
-/// come to rest in ten minutes).
+/// A hundred thousand nodes under the default law, which is softer on so long a rod (two layers (B/κ)^¼ between nodes
+/// do not come to rest in ten minutes).
 #[test]
 #[ignore = "a minute"]
 fn a_hundred_thousand_nodes_rest_under_the_default_law() {

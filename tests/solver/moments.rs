@@ -8,8 +8,8 @@ use supercoil::observe::report::Observation;
 use supercoil::scene::Scene;
 use supercoil::solve::{Options, Status, run};
 
-/// A cantilever of length and bending stiffness 1, far stiffer across the plane, with a moment of 9 at its tip: it rolls
-/// up to a circle at 2π, and then onto itself.
+/// A cantilever of length and bending stiffness 1, far stiffer across the plane, with a moment of 9 at its tip: it
+/// rolls up to a circle at 2π, and then onto itself.
 const SCENE: &str = "[[rods]]\nshape = { kind = \"line\", length = 1.0 }\nelements = 24\n\
     section = { bending = [1.0, 50.0], twisting = 30.0, stretching = 4e4, shearing = 1.5e4, contact_radius = 0.01 }\n\
     [[supports]]\nat = \"start\"\nposition = true\nrotation = true\n\
@@ -29,8 +29,9 @@ fn states(head: &str, stages: &[(f64, usize)]) -> Vec<Observation> {
     seen
 }
 
-/// Symptom: neither went on from where the tip meets the clamp, for a search did not see the moment's work: in the plane
-/// every step looked as if the potential rose. Contact is internal, so that the clamp bears the moment and no force.
+/// Symptom: neither went on from where the tip meets the clamp, for a search did not see the moment's work: in the
+/// plane every step looked as if the potential rose. Contact is internal, so that the clamp bears the moment and no
+/// force.
 #[test]
 fn a_cantilever_rolls_up_onto_itself_in_space_as_in_the_plane() {
     let ends = ["planar = true\n", ""].map(|head| {
@@ -47,8 +48,8 @@ fn a_cantilever_rolls_up_onto_itself_in_space_as_in_the_plane() {
     assert!((plane - space).abs() < 1e-10 * plane, "{plane} {space}");
 }
 
-/// Symptom: what a cantilever gave back as its moment was taken off, 4.5 of it, was told as the energy of a snap, because
-/// the moment's work was not in the balance.
+/// Symptom: what a cantilever gave back as its moment was taken off, 4.5 of it, was told as the energy of a snap,
+/// because the moment's work was not in the balance.
 #[test]
 fn a_moment_that_is_taken_off_sets_nothing_free() {
     let states = states("planar = true\n", &[(0.6, 4), (0.0, 4)]);

@@ -27,13 +27,14 @@ fn states(text: &str) -> Vec<Observation> {
 fn ring(keys: &str, ramp: &str) -> Vec<Observation> {
     states(&format!(
         "[[rods]]\nclosed = true\nshape = {{ kind = \"circle\", length = {LENGTH} }}\nelements = 240\n{keys}\n\
-         section = {{ bending = 205.7, twisting = {TWISTING}, stretching = 1e4, shearing = 1e4, contact_radius = 0.0 }}\n\
+         section = {{ bending = 205.7, twisting = {TWISTING}, stretching = 1e4, shearing = 1e4, contact_radius = 0.0 \
+         }}\n\
          [[stages]]\nramp = {{ {ramp} }}\nsteps = 2"
     ))
 }
 
-/// Before, the link of a ring with 32 turns of natural twist was counted from no twist at all: excess link 0 was 32 turns
-/// from rest.
+/// Before, the link of a ring with 32 turns of natural twist was counted from no twist at all: excess link 0 was 32
+/// turns from rest.
 #[test]
 fn excess_link_is_counted_from_nature() {
     let natural = format!("natural = {{ twist = {} }}", 31.99 * TAU / LENGTH);
@@ -60,7 +61,8 @@ fn excess_link_is_counted_from_nature() {
 fn what_is_as_shaped_has_no_excess() {
     let text = |link: &str| {
         format!(
-            "[contact]\nlaw = \"none\"\n[[rods]]\nclosed = true\nshape = {{ kind = \"torus_knot\", windings = [2, 3], length = 30.0 }}\n\
+            "[contact]\nlaw = \"none\"\n[[rods]]\nclosed = true\n\
+             shape = {{ kind = \"torus_knot\", windings = [2, 3], length = 30.0 }}\n\
              elements = 60\nnatural = \"as-shaped\"\n{link}\n\
              section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.1 }}"
         )
@@ -76,7 +78,8 @@ fn what_is_as_shaped_has_no_excess() {
 
 fn rod(keys: &str, ramp: &str) -> Vec<Observation> {
     states(&format!(
-        "[contact]\nlaw = \"none\"\n[[rods]]\nshape = {{ kind = \"line\", length = {LENGTH} }}\nelements = 120\n{keys}\n\
+        "[contact]\nlaw = \"none\"\n[[rods]]\nshape = {{ kind = \"line\", length = {LENGTH} }}\nelements = 120\n\
+         {keys}\n\
          section = {{ bending = 205.7, twisting = {TWISTING}, stretching = 1e4, shearing = 1e4 }}\n\
          [[supports]]\nat = \"start\"\nposition = true\nrotation = true\n\
          [[supports]]\nat = \"end\"\nposition = true\nrotation = true\n\

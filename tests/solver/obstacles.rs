@@ -1,5 +1,5 @@
-//! Cylinders and spheres as the solver sees them: rods held by them alone, bodies that move, turn and change their size in one
-//! step, the same bits for any number of threads, the same state in other units and turned.
+//! Cylinders and spheres as the solver sees them: rods held by them alone, bodies that move, turn and change their size
+//! in one step, the same bits for any number of threads, the same state in other units and turned.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
@@ -51,7 +51,8 @@ fn squeezed(f: f64, steps: usize) -> String {
         )
 }
 
-/// A ring in a cavity that becomes smaller than it folds and stays inside; threads, units and the number of steps do not matter.
+/// A ring in a cavity that becomes smaller than it folds and stays inside; threads, units and the number of steps do
+/// not matter.
 #[test]
 fn a_ring_folds_in_a_cavity() {
     let with = |threads: usize| Options { threads: Some(threads), ..Options::default() };
@@ -68,7 +69,8 @@ fn a_ring_folds_in_a_cavity() {
     assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
 }
 
-/// A free ring is carried along by a post inside it, pushed in one step by more than it is wide, and is left without stress.
+/// A free ring is carried along by a post inside it, pushed in one step by more than it is wide, and is left without
+/// stress.
 #[test]
 fn a_post_carries_a_ring_along() {
     for (name, shape) in [
@@ -94,7 +96,8 @@ fn a_post_carries_a_ring_along() {
 #[test]
 fn a_post_turned_to_a_place_is_a_post_moved_there() {
     let rod = "planar = true\n[[rods]]\nname = \"rod\"\nshape = { kind = \"line\", start = [0, 0, 0], length = 2.0 }\n\
-        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }\nelements = 24\n\
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }\n\
+        elements = 24\n\
         [[supports]]\nat = \"start\"\nposition = true\nrotation = true\n\
         [[obstacles]]\nname = \"post\"\nshape = \"cylinder\"\naxis = [0, 0, 1]\npoint = [1.5, 0.25, 0]\nradius = 0.2\n";
     let hinge = "hinge = { through = [1.5, 1.25, 0], axis = [0, 0, 1] }\n";
@@ -147,16 +150,17 @@ fn obstacles_without_sense_are_refused() {
     }
 }
 
-/// A catheter free in a bent row of posts, straight by nature, leans on the outer ones at its ends and on the inner ones between.
-/// The posts' forces and moments on it cancel, it is as symmetric as the row, and bent less than the row is.
+/// A catheter free in a bent row of posts, straight by nature, leans on the outer ones at its ends and on the inner
+/// ones between. The posts' forces and moments on it cancel, it is as symmetric as the row, and bent less than the row
+/// is.
 #[test]
 fn a_catheter_in_a_bent_row_of_posts() {
     use std::f64::consts::FRAC_PI_2;
     let (bend, radius, post, play) = (2.0, 0.05, 0.1, 0.04);
     let mut text = format!(
         "planar = true\n[[rods]]\nname = \"catheter\"\n\
-         shape = {{ kind = \"arc\", start = [{bend:?}, 0, 0], tangent = [0, 1, 0], towards = [-1, 0, 0], radius = {bend:?}, \
-         turns = 0.25 }}\n\
+         shape = {{ kind = \"arc\", start = [{bend:?}, 0, 0], tangent = [0, 1, 0], towards = [-1, 0, 0], radius = \
+         {bend:?}, turns = 0.25 }}\n\
          section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = {radius:?} }}\n\
          elements = 48\n"
     );
@@ -198,8 +202,8 @@ fn a_catheter_in_a_bent_row_of_posts() {
     assert!(places.iter().all(|place| clear(place) > radius + post - 1e-8));
 }
 
-/// A coil of thirty turns, as one for an aneurysm, in a cavity that shrinks about it: its ends are pressed inwards, and all of it stays
-/// inside, in order.
+/// A coil of thirty turns, as one for an aneurysm, in a cavity that shrinks about it: its ends are pressed inwards, and
+/// all of it stays inside, in order.
 #[test]
 #[ignore = "slow: half a minute"]
 fn a_coil_of_thirty_turns_in_a_cavity() {

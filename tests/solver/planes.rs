@@ -38,7 +38,8 @@ fn lowest(solution: &Solution, point: [f64; 3], normal: [f64; 3]) -> f64 {
 
 const RING: &str = "[[rods]]\nname = \"ring\"\nclosed = true\n\
     shape = { kind = \"circle\", radius = 1.0, normal = [0.3, -0.2, 1.0], center = [0.0, 0.0, 0.5] }\n\
-    section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.05 }\nelements = 16\n\
+    section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.05 }\n\
+    elements = 16\n\
     [[planes]]\nname = \"floor\"\npoint = [0.0, 0.0, -0.5]\nnormal = [0.0, 0.0, 1.0]\n";
 
 /// A free ring that the floor comes up to in one step, by more than it is wide, is carried up by it and left without
@@ -65,8 +66,8 @@ fn a_free_ring_is_lifted_by_the_floor() {
     }
 }
 
-/// A ring pressed by a ceiling that comes down onto it in space, between two plates: it tips over, or stays, but is never
-/// beyond one, whatever the number of threads, with the same bits.
+/// A ring pressed by a ceiling that comes down onto it in space, between two plates: it tips over, or stays, but is
+/// never beyond one, whatever the number of threads, with the same bits.
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
     let ceiling = "[[planes]]\nname = \"ceiling\"\npoint = [0.0, 0.0, 2.0]\nnormal = [0.0, 0.0, -1.0]\n\
@@ -84,8 +85,8 @@ fn the_same_bits_for_any_number_of_threads() {
     assert_eq!(bits(1), bits(3));
 }
 
-/// Rods that nothing else holds fall, and rest where planes carry their weight: tilted rings and an upright one on a floor, from
-/// near and far, at once and in steps; a rod with ends; a ring in a groove between two planes.
+/// Rods that nothing else holds fall, and rest where planes carry their weight: tilted rings and an upright one on a
+/// floor, from near and far, at once and in steps; a rod with ends; a ring in a groove between two planes.
 #[test]
 fn rods_fall_onto_planes_that_carry_their_weight() {
     let section = "{ bending = 1.0, twisting = 0.8, stretching = 4e4, shearing = 1.3e4, contact_radius = 0.01 }";
@@ -128,17 +129,18 @@ fn rods_fall_onto_planes_that_carry_their_weight() {
     }
 }
 
-/// A heap of three straight rods on a floor, which carries them all. (Symptom: it did not come to rest. Mechanism: its motions
-/// along the floor and the roll of each rod cost nothing, and counted as unstable by rounding.) On so coarse a mesh rounding
-/// decides the way: of fourteen starts up to 1e-3 apart two stalled at small steps in one version, one in the next. So most
-/// of three starts are to come to rest.
+/// A heap of three straight rods on a floor, which carries them all. (Symptom: it did not come to rest. Mechanism: its
+/// motions along the floor and the roll of each rod cost nothing, and counted as unstable by rounding.) On so coarse a
+/// mesh rounding decides the way: of fourteen starts up to 1e-3 apart two stalled at small steps in one version, one in
+/// the next. So most of three starts are to come to rest.
 #[test]
 fn a_heap_of_rods_comes_to_rest() {
     let rod = |name: &str, place: [f64; 3], direction: [f64; 3], bending: &str| {
         format!(
             "[[rods]]\nname = \"{name}\"\n\
              shape = {{ kind = \"line\", start = {place:?}, direction = {direction:?}, length = 0.8 }}\n\
-             section = {{ bending = {bending}, twisting = 0.769231, stretching = 4444.44, shearing = 1538.46, contact_radius = 0.03 }}\n\
+             section = {{ bending = {bending}, twisting = 0.769231, stretching = 4444.44, shearing = 1538.46, \
+             contact_radius = 0.03 }}\n\
              [[line_loads]]\nrod = \"{name}\"\nforce = [0, 0, -87.66]\n"
         )
     };

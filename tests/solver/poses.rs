@@ -1,4 +1,5 @@
-//! Clamped nodes taken to poses: where they arrive, the way they take, link put in by whole turns, runs taken up half-way.
+//! Clamped nodes taken to poses: where they arrive, the way they take, link put in by whole turns, runs taken up
+//! half-way.
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 

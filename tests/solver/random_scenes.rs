@@ -1,7 +1,8 @@
 //! Random scenes of all families, and the scenes of `tests/scenes`: they can be read, are sound and reproducible; and
 //! nearly all of them come to rest.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; a table for whoever asks with --nocapture
+// a test stops where it cannot go on; a table for whoever asks with --nocapture
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use crate::families;
 use crate::knots;
@@ -112,8 +113,8 @@ fn scenes_come_to_rest() {
     assert!(rows.iter().all(|row| row.passed), "not all scenes came to rest");
 }
 
-/// A ring with two bending stiffnesses that rolls and slides along itself for next to nothing. With corrections of least
-/// energy each step leaves an error that the next one mends: 4142 iterations without rest, where 1611 suffice.
+/// A ring with two bending stiffnesses that rolls and slides along itself for next to nothing. With corrections of
+/// least energy each step leaves an error that the next one mends: 4142 iterations without rest, where 1611 suffice.
 #[test]
 fn a_ring_that_rolls_comes_to_rest() {
     let family = families::Family::named("anisotropic_rings").unwrap();

@@ -4,7 +4,8 @@
 //! The knot is watched by its determinant |Δ(−1)|, from the crossings of a projection: 1 for the unknot, 3 for the
 //! trefoil. A passage of a strand through another changes the link by two, whatever it does to the knot.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test stops where it cannot go on; numbers for whoever asks with --nocapture
+// a test stops where it cannot go on; numbers for whoever asks with --nocapture
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use crate::knots;
 use crate::supercoiling;
@@ -42,7 +43,8 @@ fn supercoil(seed: u64, way: Way) -> bool {
     let run = go(start, way, &Options::default());
     let [before, after] = run.knot;
     println!(
-        "seed {seed}: D/L {diameter:.4} C/B {ratio:.2} knot {before} link {from:.2} → {to:.2}: {}, {} steps, {} iterations (and {} on coarse meshes), link error {:.0e}, knot {after}",
+        "seed {seed}: D/L {diameter:.4} C/B {ratio:.2} knot {before} link {from:.2} → {to:.2}: {}, {} steps, {} \
+         iterations (and {} on coarse meshes), link error {:.0e}, knot {after}",
         run.status, run.steps, run.iterations, run.elsewhere, run.link_error
     );
     assert_eq!(before, if seed % 4 == 3 { 3.0 } else { 1.0 });

@@ -1,8 +1,8 @@
 //! Rods that are sheared: contact lies along their centrelines, whatever their sections do.
 //!
 //! Symptom: a rod whose ends are moved sideways until it is sheared by 25° ended "bent as tightly as it is thick", and
-//! two of them pressed together at half the way. Mechanism: the contact centreline had the directors for its tangents, and
-//! at 17° it turned by a right angle from node to node.
+//! two of them pressed together at half the way. Mechanism: the contact centreline had the directors for its tangents,
+//! and at 17° it turned by a right angle from node to node.
 
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
@@ -73,8 +73,8 @@ fn sheared_rods_press_each_other() {
     assert!((coarse / fine - 1.0).abs() < 2e-4, "{coarse} {fine}");
 }
 
-/// A ring that is sheared beside its point of contact is in balance: what contact seems to do on the spin of its sections
-/// does not count.
+/// A ring that is sheared beside its point of contact is in balance: what contact seems to do on the spin of its
+/// sections does not count.
 #[test]
 fn a_sheared_ring_is_in_balance() {
     let text = "[[rods]]\nclosed = true\nshape = { kind = \"circle\", length = 1.0 }\n\
@@ -88,12 +88,13 @@ fn a_sheared_ring_is_in_balance() {
     assert!(residual < 1e-8, "{residual:e}");
 }
 
-/// A rod across another at a place and an angle (rad), both clamped and as easily sheared as `shearing` says, and pressed
-/// into it by `by`.
+/// A rod across another at a place and an angle (rad), both clamped and as easily sheared as `shearing` says, and
+/// pressed into it by `by`.
 fn crossing(shearing: f64, radius: f64, elements: usize, [place, angle, by]: [f64; 3]) -> String {
     let (sin, cos) = angle.sin_cos();
     let section = format!(
-        "section = {{ bending = 1.0, twisting = 0.8, stretching = 200.0, shearing = {shearing}, contact_radius = {radius} }}\n\
+        "section = {{ bending = 1.0, twisting = 0.8, stretching = 200.0, shearing = {shearing}, contact_radius = \
+         {radius} }}\n\
          elements = {elements}\n"
     );
     let rod = |name: &str, start: [f64; 3], direction: [f64; 3]| {
@@ -114,9 +115,9 @@ fn crossing(shearing: f64, radius: f64, elements: usize, [place, angle, by]: [f6
     )
 }
 
-/// Symptom: a contact force of 15.586 between two rods whose supports carry 7.948. Mechanism: a point force kinks a sheared
-/// rod by F/GA; a bend tighter than within the contact distance has two nearest points and a farthest one, which the report
-/// counted as two contacts. Reference 7.947: shooting of the Simo–Reissner rods.
+/// Symptom: a contact force of 15.586 between two rods whose supports carry 7.948. Mechanism: a point force kinks a
+/// sheared rod by F/GA; a bend tighter than within the contact distance has two nearest points and a farthest one,
+/// which the report counted as two contacts. Reference 7.947: shooting of the Simo–Reissner rods.
 #[test]
 fn contact_of_sheared_rods_is_what_their_supports_carry() {
     let last = |text: &str| states_of(text).pop().unwrap();

@@ -1,11 +1,11 @@
 //! A state is a state: its energy and its contact sites do not depend on how it was reached.
 //!
-//! The last ramp of a scene is gone in other step sizes, in five stages, by `step_to`, from a checkpoint on the way, with a
-//! last step of 1e-4 of the way, beyond and back; and the last configuration comes to rest once more without its
+//! The last ramp of a scene is gone in other step sizes, in five stages, by `step_to`, from a checkpoint on the way,
+//! with a last step of 1e-4 of the way, beyond and back; and the last configuration comes to rest once more without its
 //! contact pressures. Where the state is unique and stable, all give the same.
 //!
-//! Printed for each scene and way: elastic energy, the relative differences of it and of the contact force from a run in the
-//! scene's own steps, sites, unstable directions.
+//! Printed for each scene and way: elastic energy, the relative differences of it and of the contact force from a run
+//! in the scene's own steps, sites, unstable directions.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -59,7 +59,8 @@ elements = {elements}
 fn two_ply(elements: usize, turns: f64, steps: usize) -> Scene {
     let wire = |name: &str, x: f64| {
         format!(
-            "[[rods]]\nname = \"{name}\"\nshape = {{ kind = \"line\", start = [{x:?}, 0.0, 0.0], direction = [0.0, 0.0, 1.0], length = 40.0 }}
+            "[[rods]]\nname = \"{name}\"\nshape = {{ kind = \"line\", start = [{x:?}, 0.0, 0.0], direction = [0.0, \
+             0.0, 1.0], length = 40.0 }}
 section = {{ young = 100.0, poisson = 0.3, circle = 0.99 }}\nelements = {elements}
 [[loads]]\nrod = \"{name}\"\nat = \"end\"\nforce = [0.0, 0.0, 4.0]\n"
         )
@@ -68,7 +69,8 @@ section = {{ young = 100.0, poisson = 0.3, circle = 0.99 }}\nelements = {element
         "{}{}[[supports]]\nrod = [\"a\", \"b\"]\nat = \"start\"\nposition = true\nrotation = true
 [[supports]]\nrod = [\"a\", \"b\"]\nat = \"end\"\nposition = [\"x\", \"y\"]\nrotation = true
 [[stages]]\nramp = {{ load = 1.0 }}\nsteps = 1
-[[stages]]\nramp = {{ rotation = {{ rod = [\"a\", \"b\"], at = \"end\", axis = [0, 0, 1], through = [0, 0, 0], turns = {turns:?} }} }}\nsteps = {steps}\n",
+[[stages]]\nramp = {{ rotation = {{ rod = [\"a\", \"b\"], at = \"end\", axis = [0, 0, 1], through = [0, 0, 0], turns \
+= {turns:?} }} }}\nsteps = {steps}\n",
         wire("a", 1.0),
         wire("b", -1.0)
     ))

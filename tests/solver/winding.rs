@@ -1,5 +1,5 @@
-//! A soft rope laid about half of a stiff post: it lies along a light line of contact. The centre of curvature of the rope is
-//! on the post's centreline, so an integral along the post would have no second derivative.
+//! A soft rope laid about half of a stiff post: it lies along a light line of contact. The centre of curvature of the
+//! rope is on the post's centreline, so an integral along the post would have no second derivative.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
@@ -15,7 +15,8 @@ use supercoil::solve::Options;
 /// Load on the free end, N.
 const LOAD: f64 = 5.0;
 
-/// Points of a rope that comes up on one side of a post along y through the origin, goes over it, and hangs down on the other.
+/// Points of a rope that comes up on one side of a post along y through the origin, goes over it, and hangs down on the
+/// other.
 fn over(distance: f64) -> String {
     let mut text = String::from("x,y,z\n");
     let mut add = |x: f64, z: f64| writeln!(text, "{x:.9},0,{z:.9}").unwrap();
@@ -25,8 +26,8 @@ fn over(distance: f64) -> String {
     text
 }
 
-/// The steps of a rope over a post: radii, mm, and Young's moduli, MPa, of rope and post; a gap of 3 % of the radius of the
-/// post at the start. One end of the rope is clamped, the other pulled down, held at first, then released.
+/// The steps of a rope over a post: radii, mm, and Young's moduli, MPa, of rope and post; a gap of 3 % of the radius of
+/// the post at the start. One end of the rope is clamped, the other pulled down, held at first, then released.
 fn pulled([rope, post]: [f64; 2], [soft, stiff]: [f64; 2]) -> Vec<Observation> {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("winding_{rope}_{post}"));
     std::fs::create_dir_all(&folder).unwrap();
@@ -35,7 +36,8 @@ fn pulled([rope, post]: [f64; 2], [soft, stiff]: [f64; 2]) -> Vec<Observation> {
         format!("[[supports]]\nrod = \"{rod}\"\nat = \"{at}\"\nposition = true\nrotation = true\n")
     };
     let text = format!(
-        "[[rods]]\nname = \"post\"\nshape = {{ kind = \"line\", start = [0, {:?}, 0], direction = [0, 1, 0], length = {:?} }}\n\
+        "[[rods]]\nname = \"post\"\nshape = {{ kind = \"line\", start = [0, {:?}, 0], direction = [0, 1, 0], length = \
+         {:?} }}\n\
          section = {{ young = {stiff:?}, poisson = 0.3, circle = {post:?} }}\nelements = 8\n\
          [[rods]]\nname = \"rope\"\nshape = {{ kind = \"points\", file = \"rope.csv\" }}\n\
          section = {{ young = {soft:?}, poisson = 0.4, circle = {rope:?} }}\nelements = 64\n\

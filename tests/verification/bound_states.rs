@@ -1,8 +1,8 @@
 //! Natural states that are ramped by the part of them that is in force.
 //!
 //! * A straight rod, L = 60, clamped at one end, whose natural state is straight up to 20 and from there on a coil of
-//!   curvature .5 and twist .15 (the tip of a catheter, mm and N), in 16 steps from `binding` 0 to 1. The coil is free of stress: the
-//!   energy is 0 at 1.
+//!   curvature .5 and twist .15 (the tip of a catheter, mm and N), in 16 steps from `binding` 0 to 1. The coil is free
+//!   of stress: the energy is 0 at 1.
 //! * Halfway the natural curvature is half of it: without contact an arc of curvature ½κ, free of stress, too.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on

@@ -9,10 +9,10 @@
 //!  ▌───────────╲───╱───────────▐ ⤸
 //! ```
 //!
-//! The rod loops out; at 1.15 turns the open branch turns back and it snaps into contact with itself at one point, which
-//! carries 164 B/L² at 2.25 turns. The scene is `tests/scenes/bowed_and_turned.toml`, with EA = GA = 1e8 (which leaves
-//! 1e-6 of the force) and the default contact law. Without contact the force converges with the mesh's order 2p = 6 until
-//! the stretch is seen; in contact the law spreads a point force over some nodes.
+//! The rod loops out; at 1.15 turns the open branch turns back and it snaps into contact with itself at one point,
+//! which carries 164 B/L² at 2.25 turns. The scene is `tests/scenes/bowed_and_turned.toml`, with EA = GA = 1e8 (which
+//! leaves 1e-6 of the force) and the default contact law. Without contact the force converges with the mesh's order 2p
+//! = 6 until the stretch is seen; in contact the law spreads a point force over some nodes.
 
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!      ___      ___      ___
-//!   |-/ a \----/---\----/ c \-> d     a and c in the plane z = 0, held at their outermost nodes; b across them, held nowhere
+//!   |-/ a \----/---\----/ c \-> d     a and c in the plane z = 0, held at their outermost nodes; b across them, free
 //!     \___/-b--\---/----\___/
 //! ```
 //!
@@ -46,8 +46,10 @@ fn force_at(width: f64) -> f64 {
 
 fn ring(name: &str, x: f64, normal: &str) -> String {
     format!(
-        "[[rods]]\nname = \"{name}\"\nclosed = true\nshape = {{ kind = \"circle\", radius = 1.0, center = [{x}, 0.0, 0.0], normal = {normal} }}\n\
-         section = {{ bending = 1.0, twisting = 1.0, stretching = 1e6, shearing = 1e6, contact_radius = 0.05 }}\nelements = 24\n"
+        "[[rods]]\nname = \"{name}\"\nclosed = true\n\
+         shape = {{ kind = \"circle\", radius = 1.0, center = [{x}, 0.0, 0.0], normal = {normal} }}\n\
+         section = {{ bending = 1.0, twisting = 1.0, stretching = 1e6, shearing = 1e6, contact_radius = 0.05 }}\n\
+         elements = 24\n"
     )
 }
 
@@ -102,7 +104,8 @@ fn a_ring_dragged_along() {
     for law in ["augmented-lagrangian", "penalty"] {
         for distance in [0.5, 0.52] {
             let drag = format!(
-                "[[stages]]\nramp = {{ displacement = {{ rod = \"c\", at = \"start\", to = [{distance}, 0.0, 0.0] }} }}\nsteps = 5\n\
+                "[[stages]]\nramp = {{ displacement = {{ rod = \"c\", at = \"start\", to = [{distance}, 0.0, 0.0] }} \
+                 }}\nsteps = 5\n\
                  [contact]\nlaw = \"{law}\"\n"
             );
             let rings = ring("b", 1.7, "[0, 1, 0]") + &ring("c", 3.4, "[0, 0, 1]");

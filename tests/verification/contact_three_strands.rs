@@ -4,8 +4,8 @@
 //! 5e-4 apart, q = 192 B g/L⁴; line loads press the lower one up or the upper one down.
 //!
 //! ```text
-//!      ═══════════════  upper, pressed down by q₂        A = ½q₁ − 192 B g/L⁴        F₁ = (2A + B)/3   (lower on middle)
-//!      ───────────────  middle                           B = ½q₂ − 192 B g/L⁴        F₂ = (A + 2B)/3   (middle on upper)
+//!      ═══════════════  upper, pressed down by q₂     A = ½q₁ − 192 B g/L⁴     F₁ = (2A + B)/3   (lower on middle)
+//!      ───────────────  middle                        B = ½q₂ − 192 B g/L⁴     F₂ = (A + 2B)/3   (middle on upper)
 //!      ═══════════════  lower, pressed up by q₁
 //! ```
 //!
@@ -87,7 +87,8 @@ fn each_side_is_pressed_by_its_own_force() {
             let seen = observed(&solver, &report);
             let found = forces(&seen);
             println!(
-                "κ' = {stiffness}, {factors:?}: {found:.7?}, exact {exact:.7?}; {} iterations, {} augmentations, gap {:.1e}",
+                "κ' = {stiffness}, {factors:?}: {found:.7?}, exact {exact:.7?}; {} iterations, {} augmentations, gap \
+                 {:.1e}",
                 report.iterations,
                 report.augmentations,
                 widest(&seen, RADIUS)

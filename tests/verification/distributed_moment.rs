@@ -10,7 +10,9 @@ use crate::common::verify_point;
 use supercoil::{math::Vec3, scene::Scene, solve};
 
 const SCENE: &str = r#"
-rods = [{ shape = { kind = "line", start = [0, 0, 0], direction = [1, 0, 0], length = 1 }, elements = 12, section = { bending = 1, twisting = 1.3, stretching = 1e9, shearing = 1e9 } }]
+rods = [{ shape = { kind = "line", direction = [1, 0, 0], length = 1 }, elements = 12, section = {
+    bending = 1, twisting = 1.3, stretching = 1e9, shearing = 1e9
+} }]
 supports = [{ at = "start", position = true, rotation = true }]
 line_loads = [{ moment = [0, 0, 4] }]
 contact = { law = "none" }

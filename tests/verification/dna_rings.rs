@@ -1,11 +1,11 @@
 //! Rings of DNA of the isotropic step model "IdealDNA" against emDNA, which minimises over rigid base pairs.
 //!
-//! Set-up: closed rings of 68 (Lk 6 and 7) and 104 base pairs (Lk 10), no contact; 256 cubic elements. References: the logs
-//! that emDNA ships (github.com/nicocvn/emDNA), all digits. The start, a flat circle with even twist, costs n/2 · (.0427
-//! (360/n)² + .0597 (360 Lk/n − 34.2857)²) kT in either model. At the minimum the twisted ring shears by M3 κ/GA, which
-//! lowers the energy by L (M3 κ)²/(2 GA) to first order. Of that, steps of 2π/n and a rod
-//! differ by about (π/n)²/3: tolerance (π/n)²/2. Mean tilt and roll energies are equal in a ring whose helix
-//! turns many times: bending energy is compared with their sum.
+//! Set-up: closed rings of 68 (Lk 6 and 7) and 104 base pairs (Lk 10), no contact; 256 cubic elements. References: the
+//! logs that emDNA ships (github.com/nicocvn/emDNA), all digits. The start, a flat circle with even twist, costs n/2 ·
+//! (.0427 (360/n)² + .0597 (360 Lk/n − 34.2857)²) kT in either model. At the minimum the twisted ring shears by M3
+//! κ/GA, which lowers the energy by L (M3 κ)²/(2 GA) to first order. Of that, steps of 2π/n and a rod differ by about
+//! (π/n)²/3: tolerance (π/n)²/2. Mean tilt and roll energies are equal in a ring whose helix turns many times: bending
+//! energy is compared with their sum.
 //!
 //! Blocks of steps (`dna::blocks`) are compared with single steps on a mesh that resolves them.
 
@@ -77,8 +77,8 @@ fn rings_of_ideal_dna() {
     }
 }
 
-/// A ring of 189 base pairs of a sequence with a bend of its own, taken in blocks: the axis on 24 elements, against a constant
-/// piece a step on 1000. (A node a base pair is 5 % off: shift and slide lead to and fro.)
+/// A ring of 189 base pairs of a sequence with a bend of its own, taken in blocks: the axis on 24 elements, against a
+/// constant piece a step on 1000. (A node a base pair is 5 % off: shift and slide lead to and fro.)
 #[test]
 fn blocks_of_steps() {
     let letters: String = "AAAAAACGGCGATTCAGCCTG".repeat(9);
@@ -99,8 +99,8 @@ fn blocks_of_steps() {
     }
 }
 
-/// Half of a teardrop, from the middle of its loop, where the tangent stays, to where its ends meet: a point that slides on
-/// the axis of symmetry, its rotation free. Twice its energy.
+/// Half of a teardrop, from the middle of its loop, where the tangent stays, to where its ends meet: a point that
+/// slides on the axis of symmetry, its rotation free. Twice its energy.
 fn teardrop(length: f64, bending: f64, stretching: f64) -> f64 {
     let half = 0.5 * length;
     let shape = Shape::Arc {
@@ -125,8 +125,8 @@ fn teardrop(length: f64, bending: f64, stretching: f64) -> f64 {
     2.0 * energy
 }
 
-/// Both ends at one point, free to turn: 14.0549512 B/L (elastica of modulus .9089085575). emDNA's 68 steps of IdealDNA are
-/// softer by stretch, shear and their finite angles: (π/n)² of them, and .1 % by EA.
+/// Both ends at one point, free to turn: 14.0549512 B/L (elastica of modulus .9089085575). emDNA's 68 steps of IdealDNA
+/// are softer by stretch, shear and their finite angles: (π/n)² of them, and .1 % by EA.
 #[test]
 fn teardrops() {
     verify("teardrop", "energy, B/L", teardrop(1.0, 1.0, 1e10), 14.054_951_2, 1e-6);

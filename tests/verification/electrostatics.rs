@@ -5,8 +5,8 @@
 //!  * parallel strands repel by q = 2A K₁(d/λ)/λ per length. Clamped at both ends each gives way by q L⁴/384B (and q
 //!    L²/8GA by shear) in the middle, if that is little against λ. At the ends the other strand is missing on one side,
 //!    which changes the clamps' load over a length λ: a part (λ/L)² of the deflection;
-//!  * ring: A L ∫ w(s) (exp(−c/λ)/c − exp(−s/λ)/s) ds over half of it, c = 2R sin(s/2R), w(s) from 0 at 4 λ to 1 at 8 λ;
-//!    off by A L exp(−9)/9, the energy of a straight rod beyond the range.
+//!  * ring: A L ∫ w(s) (exp(−c/λ)/c − exp(−s/λ)/s) ds over half of it, c = 2R sin(s/2R), w(s) from 0 at 4 λ to 1 at 8
+//!    λ; off by A L exp(−9)/9, the energy of a straight rod beyond the range.
 //!
 //! Integrals by Simpson's rule.
 

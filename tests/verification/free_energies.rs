@@ -11,8 +11,8 @@
 //!
 //!   On a mesh the short waves of its spacing do not feel what couples their planes, so that logarithms of ratios
 //!   converge as the node spacing: they are extrapolated from two meshes.
-//! * J-factors: of a held straight rod by its compliance, of DNA with a protein by the stiffness of its end, of rings by the formula at
-//!   the test.
+//! * J-factors: of a held straight rod by its compliance, of DNA with a protein by the stiffness of its end, of rings
+//!   by the formula at the test.
 //! * Derivatives: of energies by link 2π × the moment at the seam, by a radius the contact force; central differences
 //!   of whole runs; reciprocity of reactions.
 
@@ -134,10 +134,11 @@ fn strong_stretching() {
     verify("strong stretching, TL²/B = 900", "1 − z/L over kT", slope, exact, 0.12 * exact);
 }
 
-/// A molecule between clamps, as in tweezers: its extension and its torque at kT are −∂F/∂T and ∂F/∂(turns)/2π. Under the tension T and
-/// the moment M the determinant's ratio is |g′² − g g″|² of g that starts from the clamp with g‴ = 1: exponents a, b = ½iM ± √(T − ¼M²)
-/// and 0 twice, g = (e^{as}/a² − e^{bs}/b²)/(a − b) + s/ab + (a + b)/(ab)². For long rods, √(T − ¼M²) of it, that is the shortening
-/// of Marko & Siggia (1995) and the softening of Moroz & Nelson (1997), 1/C + kT/(4B√(BT)).
+/// A molecule between clamps, as in tweezers: its extension and its torque at kT are −∂F/∂T and ∂F/∂(turns)/2π. Under
+/// the tension T and the moment M the determinant's ratio is |g′² − g g″|² of g that starts from the clamp with g‴ = 1:
+/// exponents a, b = ½iM ± √(T − ¼M²) and 0 twice, g = (e^{as}/a² − e^{bs}/b²)/(a − b) + s/ab + (a + b)/(ab)². For long
+/// rods, √(T − ¼M²) of it, that is the shortening of Marko & Siggia (1995) and the softening of Moroz & Nelson (1997),
+/// 1/C + kT/(4B√(BT)).
 #[test]
 fn extension_and_torque_at_a_temperature() {
     const KT: f64 = 0.004;
@@ -355,16 +356,17 @@ fn crossed_rods_in_hard_contact_against_whole_runs() {
     against_runs("crossed rods, hard contact", law, ContactResponse::Locked, [2e-4, 1e-2, 1e-3], 1e-4);
 }
 
-/// J-factors. Of a straight rod whose free end is where it is without stress, J = 8π²/√det(2πkT S), S the compliance of the
-/// end: in each plane L³/3B + L/GA, L²/2B, L/B, along the axis L/EA and L/C. Of a ring with the excess link ΔLk
+/// J-factors. Of a straight rod whose free end is where it is without stress, J = 8π²/√det(2πkT S), S the compliance of
+/// the end: in each plane L³/3B + L/GA, L²/2B, L/B, along the axis L/EA and L/C. Of a ring with the excess link ΔLk
 ///
 /// ```text
 /// J L³ = 4(2π)^(7/2) b³ √c exp(−2π²(b + c ΔLk²))/P(x)        b = B/LkT, c = C/LkT
 /// ```
 ///
 /// Over all links at P = 1 that is 32π³ b³ exp(−2π²b)/L³, with l = L kT/2B 4π³ l⁻⁶ exp(−π²/l) a cubic Kuhn length, as
-/// Shimada & Yamakawa (1984) have it to leading order. A chain of 12 to 24 rigid segments with a torque spring at each joint,
-/// by its Hessian on the null space of the six conditions of closure, has 7.82 ± 0.01 for the constant's logarithm 7.819.
+/// Shimada & Yamakawa (1984) have it to leading order. A chain of 12 to 24 rigid segments with a torque spring at each
+/// joint, by its Hessian on the null space of the six conditions of closure, has 7.82 ± 0.01 for the constant's
+/// logarithm 7.819.
 #[test]
 fn j_factors() {
     const KT: f64 = 0.2;
@@ -411,8 +413,9 @@ fn j_factors() {
     }
 }
 
-/// The J-factor of a piece of DNA with a protein on it whose end is where it is without stress: 8π²√det(K)/(2πkT)³, K the reactions of
-/// the held end by its six motions. Two determinants of all unknowns beside one of six, found by derivatives.
+/// The J-factor of a piece of DNA with a protein on it whose end is where it is without stress: 8π²√det(K)/(2πkT)³, K
+/// the reactions of the held end by its six motions. Two determinants of all unknowns beside one of six, found by
+/// derivatives.
 #[test]
 fn j_factor_of_a_sequence_with_a_protein() {
     const KT: f64 = 4.1;
@@ -454,8 +457,8 @@ fn j_factor_of_a_sequence_with_a_protein() {
     verify("21 base pairs with a protein", "J", found, exact, 1e-7 * exact);
 }
 
-/// Reactions by displacements are a symmetric matrix (Maxwell & Betti), with contact. Locked points are near the bound, with 9e-8
-/// at κ' = 1e6 and 1.05e-7 at 1e5; what leaves that is not known.
+/// Reactions by displacements are a symmetric matrix (Maxwell & Betti), with contact. Locked points are near the bound,
+/// with 9e-8 at κ' = 1e6 and 1.05e-7 at 1e5; what leaves that is not known.
 #[test]
 fn reciprocity() {
     let mut solver = crossed(ContactLaw::AugmentedLagrangian { stiffness: 1e6, tol_penetration: 1e-12 });

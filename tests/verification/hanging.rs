@@ -6,12 +6,13 @@
 //!   |              ` . _ . '
 //! ```
 //!
-//! * A pendulum, L = 1, weight q = 1 a length, B = 1e-3, EA = GA = 100, let go along x, at a slant, upside down: it hangs
-//!   straight and is longer by qL²/(2EA) with the energy q²L³/(6EA). With a force F at its tip: FL/EA and more.
+//! * A pendulum, L = 1, weight q = 1 a length, B = 1e-3, EA = GA = 100, let go along x, at a slant, upside down: it
+//!   hangs straight and is longer by qL²/(2EA) with the energy q²L³/(6EA). With a force F at its tip: FL/EA and more.
 //! * A rope between two hooks, the right one moved in by .3: catenary with bending, stretch and shear. Reference: its
-//!   differential equations in the plane, r′ = (1 + N/EA) d3 + (Q/GA) d1, Bθ″ = −(r′ × n)·e, n = (H, V + qs), by shooting
-//!   from a hook to the middle.
-//! * A ring, a T of three rods: supported at a point the centre of mass lies below it, and the point carries all weight.
+//!   differential equations in the plane, r′ = (1 + N/EA) d3 + (Q/GA) d1, Bθ″ = −(r′ × n)·e, n = (H, V + qs), by
+//!   shooting from a hook to the middle.
+//! * A ring, a T of three rods: supported at a point the centre of mass lies below it, and the point carries all
+//!   weight.
 //!
 //! Before, each of these was refused: its supports leave it free to turn.
 
@@ -71,7 +72,8 @@ fn rope([horizontal, vertical]: [f64; 2], angle: f64, length: f64) -> [f64; 4] {
 #[test]
 fn a_rope_between_two_hooks_is_a_catenary() {
     let text = format!(
-        "gravity = [0, 0, -1]\nrods = [{{ shape = {{ kind = \"line\", length = 1.0 }}, {SECTION}, elements = 32, weight = 1.0 }}]\n\
+        "gravity = [0, 0, -1]\nrods = [{{ shape = {{ kind = \"line\", length = 1.0 }}, {SECTION}, elements = 32, \
+         weight = 1.0 }}]\n\
          supports = [{{ at = \"start\", position = true }}, {{ at = \"end\", position = true }}]\n\
          stages = [{{ ramp = {{ displacement = {{ at = \"end\", to = [-0.3, 0, 0] }} }}, steps = 3 }}]"
     );
@@ -119,8 +121,9 @@ fn centre_of_mass(solution: &Solution) -> Vec3 {
 fn what_hangs_from_a_point_has_its_centre_of_mass_below() {
     let ring = |normal: &str| {
         format!(
-            "gravity = [0, 0, -1]\nsupports = [{{ at = 0, position = true }}]\nrods = [{{ closed = true, elements = 16, weight = 0.1, \
-             {SECTION}, shape = {{ kind = \"circle\", length = 1.0, normal = {normal} }} }}]"
+            "gravity = [0, 0, -1]\nsupports = [{{ at = 0, position = true }}]\n\
+             rods = [{{ closed = true, elements = 16, weight = 0.1, {SECTION}, shape = {{ kind = \"circle\", length = \
+             1.0, normal = {normal} }} }}]"
         )
     };
     let mut energies = Vec::new();
@@ -138,13 +141,14 @@ fn what_hangs_from_a_point_has_its_centre_of_mass_below() {
     }
     let line = |name: &str, start: &str, direction: &str, length: f64| {
         format!(
-            "{{ name = \"{name}\", elements = 4, weight = 0.2, section = {{ bending = 1e-2, twisting = 1e-2, stretching = 100, \
-             shearing = 100, contact_radius = 0 }}, shape = {{ kind = \"line\", start = {start}, direction = {direction}, \
-             length = {length} }} }}"
+            "{{ name = \"{name}\", elements = 4, weight = 0.2, section = {{ bending = 1e-2, twisting = 1e-2, \
+             stretching = 100, shearing = 100, contact_radius = 0 }}, shape = {{ kind = \"line\", start = {start}, \
+             direction = {direction}, length = {length} }} }}"
         )
     };
     let text = format!(
-        "gravity = [0, 0, -1]\nrods = [{}, {}, {}]\nsupports = [{{ rod = \"string\", at = \"start\", position = true }}]\n\
+        "gravity = [0, 0, -1]\nrods = [{}, {}, {}]\n\
+         supports = [{{ rod = \"string\", at = \"start\", position = true }}]\n\
          joints = [{{ a = {{ rod = \"string\", at = \"end\" }}, b = {{ rod = \"left\", at = \"start\" }} }}, \
          {{ a = {{ rod = \"string\", at = \"end\" }}, b = {{ rod = \"right\", at = \"start\" }} }}]",
         line("string", "[0, 0, 0]", "[0, 0, -1]", 0.4),
@@ -166,7 +170,8 @@ fn a_net_hangs_from_its_corners() {
             text += &format!(
                 "[[rods]]\nname = \"{name}{k}\"\nelements = 9\nweight = 0.01\n\
                  shape = {{ kind = \"line\", start = {start:?}, direction = {direction:?}, length = 0.9 }}\n\
-                 section = {{ bending = 1e-4, twisting = 1e-4, stretching = 10, shearing = 10, contact_radius = 0.001 }}\n"
+                 section = {{ bending = 1e-4, twisting = 1e-4, stretching = 10, shearing = 10, contact_radius = 0.001 \
+                 }}\n"
             );
         }
     }
@@ -196,9 +201,11 @@ fn a_net_hangs_from_its_corners() {
 fn a_ring_hangs_from_a_peg_or_falls() {
     let scene = |height: f64| {
         format!(
-            "gravity = [0, 0, -1]\n[[rods]]\nname = \"peg\"\nelements = 6\nshape = {{ kind = \"line\", start = [0, -0.3, 0], direction = [0, 1, 0], length = 0.6 }}\n\
+            "gravity = [0, 0, -1]\n[[rods]]\nname = \"peg\"\nelements = 6\n\
+             shape = {{ kind = \"line\", start = [0, -0.3, 0], direction = [0, 1, 0], length = 0.6 }}\n\
              section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }}\n\
-             [[rods]]\nname = \"ring\"\nclosed = true\nelements = 16\nweight = 0.1\nshape = {{ kind = \"circle\", length = 1.0, center = [0.01, 0.02, {height}], normal = [0.1, 1, 0] }}\n\
+             [[rods]]\nname = \"ring\"\nclosed = true\nelements = 16\nweight = 0.1\n\
+             shape = {{ kind = \"circle\", length = 1.0, center = [0.01, 0.02, {height}], normal = [0.1, 1, 0] }}\n\
              section = {{ bending = 1e-2, twisting = 1e-2, stretching = 1e3, shearing = 1e3, contact_radius = 0.02 }}\n\
              [[supports]]\nrod = \"peg\"\nat = \"start\"\nposition = true\nrotation = true\n\
              [[supports]]\nrod = \"peg\"\nat = \"end\"\nposition = true\nrotation = true\n"

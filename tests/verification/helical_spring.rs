@@ -65,11 +65,14 @@ fn a_helix_under_a_wrench_is_a_helix() {
         let moment = [-force * r * angle.sin(), force * r * angle.cos(), couple];
         let slope = ((c / r).atan() - c0.atan()) / TAU;
         let text = format!(
-            "[[rods]]\nname = \"spring\"\nshape = {{ kind = \"helix\", radius = 1.0, pitch = {PITCH}, turns = {TURNS} }}\n\
-             section = {{ bending = 1.0, twisting = {C}, stretching = 1e8, shearing = 1e8, contact_radius = 0.001 }}\nelements = 96\nnatural = \"as-shaped\"\n\
+            "[[rods]]\nname = \"spring\"\nshape = {{ kind = \"helix\", radius = 1.0, pitch = {PITCH}, turns = {TURNS} \
+             }}\n\
+             section = {{ bending = 1.0, twisting = {C}, stretching = 1e8, shearing = 1e8, contact_radius = 0.001 }}\n\
+             elements = 96\nnatural = \"as-shaped\"\n\
              [[supports]]\nat = \"start\"\nposition = true\nrotation = true\n\
              [[loads]]\nat = \"end\"\nforce = [0.0, 0.0, {force:?}]\nmoment = {moment:?}\n\
-             [[stages]]\nramp = {{ load = 1.0, rotation = {{ at = \"start\", axis = [1, 0, 0], turns = {slope:?} }} }}\nsteps = 8\n"
+             [[stages]]\nramp = {{ load = 1.0, rotation = {{ at = \"start\", axis = [1, 0, 0], turns = {slope:?} }} \
+             }}\nsteps = 8\n"
         );
         let scene = Scene::from_toml(&text, Path::new("")).unwrap();
         let mut clamp = None;

@@ -1,33 +1,37 @@
 //! Rods at cylinders and in spheres: closed forms, without friction.
 //!
-//! * A ring of length L and radius ρ about a cylinder that is blown up. Its curvature per reference length stays 2π/L and its
-//!   stretch is λ = 2πρ/L, so that the energy is ½L EA (λ − 1)² and a constant. The pressure in all is its slope, 2π T with the
-//!   tension T = EA (λ − 1), the same everywhere: T/ρ per present length. The contact curve of a
-//!   stretched rod lies beside the rod between its nodes, h apart; forces are off by about (λh/ρ)²/4 for it: 4.0e-3 on 16
-//!   elements, 4.2e-4 on 48.
-//! * A rope over a pulley, W at each end. On the cylinder its curvature is 1/ρ, ρ = R + ε, its tension T is even, and the
-//!   pressure is T/ρ. A long free end has ½B κ² = W (1 − cos θ), θ its angle with the weight. Curvature is continuous where it
-//!   lifts off: cos θ = 1 − B/(2 W ρ²). There T = W cos θ, and the cylinder pushes with W sin θ at the one point, because shear is W
-//!   sin θ beyond and zero on the arc, whose half angle is ½π − θ. The pressure in all is 2 (T (½π − θ) + W sin θ); its sum as
-//!   vectors is 2W. Beyond, ds = dφ/κ(φ) from φ = θ on, so that the end hangs ρ cos θ + 2√(B/W) sin ½θ beside the axle and, s long from
-//!   where it lifts off, s − 2√(B/W) (1 − cos ½θ) − ρ sin θ below it, longer by W/EA.
-//! * A ring in a sphere that is made smaller than it: as long as it is a circle, on a great circle, its energy is as about the
-//!   cylinder, with λ < 1. A wave w cos nφ across has the geodesic curvature w (1 − n²)/ρ² and lengthens the ring by
-//!   ½w² (n² − 1)/ρ² a length. Its energy, ½B times the square of the curvature per reference length and ½EA (λ − 1)²,
-//!   grows by ½w² (n² − 1)/ρ² times B (n² − 1)/ρ² − P + B/ρ², P = EA (1 − λ): the circle is left at P = 4B/ρ², n = 2.
-//! * A rod in a tube, pushed and turned: Thompson, Silveira, van der Heijden and Wiercigroch, Proc. R. Soc. A 468 (2012)
-//!   1591. Away from its ends it is a helix on a cylinder of radius a = R − ε at the angle β to the axis. Its curvature is
-//!   sin²β/a, it turns by sin β/a about the axis a length, and its torque is the moment M about the axis throughout. Under
-//!   the tension T along the axis
+//! * A ring of length L and radius ρ about a cylinder that is blown up. Its curvature per reference length stays 2π/L
+//!   and its stretch is λ = 2πρ/L, so that the energy is ½L EA (λ − 1)² and a constant. The pressure in all is its
+//!   slope, 2π T with the tension T = EA (λ − 1), the same everywhere: T/ρ per present length. The contact curve of a
+//!   stretched rod lies beside the rod between its nodes, h apart; forces are off by about (λh/ρ)²/4 for it: 4.0e-3 on
+//!   16 elements, 4.2e-4 on 48.
+//! * A rope over a pulley, W at each end. On the cylinder its curvature is 1/ρ, ρ = R + ε, its tension T is even, and
+//!   the pressure is T/ρ. A long free end has ½B κ² = W (1 − cos θ), θ its angle with the weight. Curvature is
+//!   continuous where it lifts off: cos θ = 1 − B/(2 W ρ²). There T = W cos θ, and the cylinder pushes with W sin θ at
+//!   the one point, because shear is W sin θ beyond and zero on the arc, whose half angle is ½π − θ. The pressure in
+//!   all is 2 (T (½π − θ) + W sin θ); its sum as vectors is 2W. Beyond, ds = dφ/κ(φ) from φ = θ on, so that the end
+//!   hangs ρ cos θ + 2√(B/W) sin ½θ beside the axle and, s long from where it lifts off, s − 2√(B/W) (1 − cos ½θ) − ρ
+//!   sin θ below it, longer by W/EA.
+//! * A ring in a sphere that is made smaller than it: as long as it is a circle, on a great circle, its energy is as
+//!   about the cylinder, with λ < 1. A wave w cos nφ across has the geodesic curvature w (1 − n²)/ρ² and lengthens the
+//!   ring by ½w² (n² − 1)/ρ² a length. Its energy, ½B times the square of the curvature per reference length and ½EA (λ
+//!   − 1)², grows by ½w² (n² − 1)/ρ² times B (n² − 1)/ρ² − P + B/ρ², P = EA (1 − λ): the circle is left at P = 4B/ρ², n
+//!   = 2.
+//! * A rod in a tube, pushed and turned: Thompson, Silveira, van der Heijden and Wiercigroch, Proc. R. Soc. A 468
+//!   (2012)
+//!   1591. Away from its ends it is a helix on a cylinder of radius a = R − ε at the angle β to the axis. Its curvature
+//!         is
+//!   sin²β/a, it turns by sin β/a about the axis a length, and its torque is the moment M about the axis throughout.
+//!   Under the tension T along the axis
 //!
 //!   ```text
 //!   V = ½B sin⁴β/a² − T cos β − M sin β (1 − cos β)/a      ∂V/∂β = 0, p = −∂V/∂a
 //!   ```
 //!
-//!   p the force of the wall per length. Forces at nodes, h apart, of a pressure that turns by k = h sin β/a from one to the next are
-//!   shorter by ∫(1 − cos ku)(1 − u)² (1 + 2u) du of both sides: k²/15.
-//! * A coil of many turns in a cavity: a closed curve, or nearly, in a ball of radius ρ has a mean curvature of at least 1/ρ (Fáry
-//!   1950), so its energy is at least ½BL/ρ².
+//!   p the force of the wall per length. Forces at nodes, h apart, of a pressure that turns by k = h sin β/a from one
+//!   to the next are shorter by ∫(1 − cos ku)(1 − u)² (1 + 2u) du of both sides: k²/15.
+//! * A coil of many turns in a cavity: a closed curve, or nearly, in a ball of radius ρ has a mean curvature of at
+//!   least 1/ρ (Fáry 1950), so its energy is at least ½BL/ρ².
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
@@ -40,8 +44,10 @@ use supercoil::math::Vec3;
 use supercoil::observe::report::SiteKind;
 
 /// A closed ring of radius 1, EA = 1000, in the x-y plane.
-const RING: &str = "planar = true\n[[rods]]\nname = \"ring\"\nclosed = true\nshape = { kind = \"circle\", radius = 1.0 }\n\
-    section = { bending = 1.0, twisting = 1.0, stretching = 1e3, shearing = 1e3, contact_radius = 0.05 }\nelements = 48\n";
+const RING: &str = "planar = true\n[[rods]]\nname = \"ring\"\nclosed = true\n\
+    shape = { kind = \"circle\", radius = 1.0 }\n\
+    section = { bending = 1.0, twisting = 1.0, stretching = 1e3, shearing = 1e3, contact_radius = 0.05 }\n\
+    elements = 48\n";
 
 #[test]
 fn a_ring_about_a_growing_cylinder_is_stretched_evenly() {
@@ -65,8 +71,10 @@ fn a_rope_over_a_pulley_lifts_off_where_its_curvature_says() {
     let (bending, weight, radius) = (0.2_f64, 2.0, 0.02);
     let rho = 1.0 + radius;
     let text = format!(
-        "planar = true\n[[rods]]\nname = \"rope\"\nshape = {{ kind = \"line\", start = [-4.3, {rho:?}, 0], length = 8.6 }}\n\
-         section = {{ bending = {bending:?}, twisting = 0.2, stretching = 1e5, shearing = 1e5, contact_radius = {radius:?} }}\n\
+        "planar = true\n[[rods]]\nname = \"rope\"\n\
+         shape = {{ kind = \"line\", start = [-4.3, {rho:?}, 0], length = 8.6 }}\n\
+         section = {{ bending = {bending:?}, twisting = 0.2, stretching = 1e5, shearing = 1e5, contact_radius = \
+         {radius:?} }}\n\
          elements = 96\n[[obstacles]]\nname = \"pulley\"\nshape = \"cylinder\"\naxis = [0, 0, 1]\nradius = 1.0\n\
          [[supports]]\nat = {{ arc = 4.3 }}\nposition = [\"x\"]\n\
          [[loads]]\nat = \"start\"\nforce = [0, {down:?}, 0]\n[[loads]]\nat = \"end\"\nforce = [0, {down:?}, 0]\n\

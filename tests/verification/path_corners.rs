@@ -256,9 +256,9 @@ fn follow_ring(solver: &mut Solver, start: Start, links: &[f64]) -> (Vec<Numbers
     (corners, numbers_there, states)
 }
 
-/// What the ripple of the mesh makes of force and writhe if a load step shifts the loop by some hundredths of an element;
-/// where on its mesh the loop lies is decided at the branch point, by rounding. A twentieth of an element makes 1e-6 to
-/// 3e-6.
+/// What the ripple of the mesh makes of force and writhe if a load step shifts the loop by some hundredths of an
+/// element; where on its mesh the loop lies is decided at the branch point, by rounding. A twentieth of an element
+/// makes 1e-6 to 3e-6.
 const RIPPLE: f64 = 2e-6;
 
 #[test]

@@ -1,7 +1,7 @@
 //! Rods joined by pins and hinges, against statics.
 //!
-//! * Two bars from pinned feet to a pinned top under a force F: by the height y of the top, N = EA (ℓ − L)/L, F = −2 N y/ℓ with
-//!   ℓ² = a² + y². Bars stay straight.
+//! * Two bars from pinned feet to a pinned top under a force F: by the height y of the top, N = EA (ℓ − L)/L, F = −2 N
+//!   y/ℓ with ℓ² = a² + y². Bars stay straight.
 //! * A three-hinged arch of two quarter circles under a force at its crown: thrust F/2 at each foot.
 //! * A chain of four stiff links between hooks: their slopes are tan θ = V/H, V the vertical force in their middles.
 //! * A pendulum of two links with a horizontal force f at its tip: tan θ₂ = f/(W/2), tan θ₁ = f/(3W/2).
@@ -90,9 +90,10 @@ fn two_bars_bear_a_force_by_their_stretch() {
 fn a_three_hinged_arch_thrusts_by_half_its_load() {
     let arch = |name: &str, start: [f64; 3], towards: f64| {
         format!(
-            "[[rods]]\nname = \"{name}\"\nelements = 6\nnatural = \"as-shaped\"\nsection = {{ bending = 1e6, twisting = 1e6, stretching = \
-             1e9, shearing = 1e9, contact_radius = 0.0 }}\nshape = {{ kind = \"arc\", radius = 1.0, turns = 0.25, start = {start:?}, tangent = [0, 0, 1], \
-             towards = [{towards:?}, 0, 0] }}\n"
+            "[[rods]]\nname = \"{name}\"\nelements = 6\nnatural = \"as-shaped\"\n\
+             section = {{ bending = 1e6, twisting = 1e6, stretching = 1e9, shearing = 1e9, contact_radius = 0.0 }}\n\
+             shape = {{ kind = \"arc\", radius = 1.0, turns = 0.25, start = {start:?}, tangent = [0, 0, 1], towards = \
+             [{towards:?}, 0, 0] }}\n"
         )
     };
     let foot = |rod: &str| held(rod, "start", "rotation = [\"x\", \"z\"]");
@@ -286,8 +287,8 @@ fn neither_axes_nor_the_order_of_rods_matter() {
     }
 }
 
-/// A run that is taken up half-way ends in the same state, to the rounding of frames that are put together at hinges; a finer mesh
-/// has the same joints.
+/// A run that is taken up half-way ends in the same state, to the rounding of frames that are put together at hinges; a
+/// finer mesh has the same joints.
 #[test]
 fn joints_outlast_restarts_and_refinement() {
     let scene = Scene::from_toml(&frame(&Quat::identity(), [1, 0, 2, 3]), Path::new(".")).unwrap();

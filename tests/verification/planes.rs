@@ -1,14 +1,16 @@
 //! Rods on planes: closed forms of beams on a rigid table and of a ring between plates, without friction.
 //!
 //! * A heavy beam laid down on a table: the pressure is its weight per length.
-//! * A heavy beam on a table, lifted at one end by h: EI y⁗ = −w over the length L that is lifted, y = y′ = y″ = 0 where it
-//!   touches down (it is flat beyond), so y = −w s⁴/(24 EI) + a s³. An end that may turn has y″(L) = 0: a = wL/(12 EI),
-//!   h = wL⁴/(24 EI), and the end carries wL/2. One that is clamped has y′(L) = 0: a = wL/(18 EI), h = wL⁴/(72 EI), and the
-//!   end carries 2wL/3. The table carries the rest, of which 6 EI a = EI y‴(0) right where the beam touches down.
-//! * A ring of radius R pressed between two plates by F, each quarter an elastica: B θ″ = ½F cos θ, θ from 0 at the plate to
-//!   ½π, so θ′² = κ₀² + (F/B) sin θ, κ₀ the curvature at the plate. It flattens where κ₀ = 0: there ½πR = √(B/F) C,
-//!   F = 2.786 B/R². Further on a length 2a lies flat on the plate and bears no load; half the height of the centreline is
-//!   Y = √(B/F) D and a = ½πR − YC/D, with C = ∫dθ/√sin θ = 2.6220576 and D = ∫√sin θ dθ = 1.1981402 over 0 … ½π.
+//! * A heavy beam on a table, lifted at one end by h: EI y⁗ = −w over the length L that is lifted, y = y′ = y″ = 0
+//!   where it touches down (it is flat beyond), so y = −w s⁴/(24 EI) + a s³. An end that may turn has y″(L) = 0: a =
+//!   wL/(12 EI), h = wL⁴/(24 EI), and the end carries wL/2. One that is clamped has y′(L) = 0: a = wL/(18 EI), h =
+//!   wL⁴/(72 EI), and the end carries 2wL/3. The table carries the rest, of which 6 EI a = EI y‴(0) right where the
+//!   beam touches down.
+//! * A ring of radius R pressed between two plates by F, each quarter an elastica: B θ″ = ½F cos θ, θ from 0 at the
+//!   plate to ½π, so θ′² = κ₀² + (F/B) sin θ, κ₀ the curvature at the plate. It flattens where κ₀ = 0: there ½πR =
+//!   √(B/F) C, F = 2.786 B/R². Further on a length 2a lies flat on the plate and bears no load; half the height of the
+//!   centreline is Y = √(B/F) D and a = ½πR − YC/D, with C = ∫dθ/√sin θ = 2.6220576 and D = ∫√sin θ dθ = 1.1981402 over
+//!   0 … ½π.
 
 #![allow(clippy::unwrap_used)] // a test stops where it cannot go on
 
@@ -33,7 +35,8 @@ pub(crate) fn steps(text: &str) -> Vec<Observation> {
 /// A beam of length 1 above a table, EI = 1.
 fn beam(height: f64, elements: usize, weight: f64) -> String {
     format!(
-        "planar = true\n[[rods]]\nname = \"beam\"\nshape = {{ kind = \"line\", start = [0.0, {height:?}, 0.0], length = 1.0 }}\n\
+        "planar = true\n[[rods]]\nname = \"beam\"\n\
+         shape = {{ kind = \"line\", start = [0.0, {height:?}, 0.0], length = 1.0 }}\n\
          section = {{ bending = 1.0, twisting = 1.0, stretching = 1e5, shearing = 1e5, contact_radius = 0.01 }}\n\
          elements = {elements}\n[[planes]]\nname = \"table\"\nnormal = [0.0, 1.0, 0.0]\n\
          [[line_loads]]\nforce = [0.0, {:?}, 0.0]\n",
@@ -70,13 +73,14 @@ fn a_heavy_beam_lies_on_a_table_with_its_weight() {
     let [site] = &last.obstacle_sites[..] else { panic!("{:?}", last.obstacle_sites) };
     assert_eq!(site.kind, SiteKind::Line);
     verify("beam on a table", "length of the line", site.arc[1] - site.arc[0], 1.0, 1e-12);
-    // at the ends the loads of elements and the pressure are shared out to nodes in different ways, O(element), which the
-    // supports make up for
+    // at the ends the loads of elements and the pressure are shared out to nodes in different ways, O(element), which
+    // the supports make up for
     verify("beam on a table", "pressure over weight", site.force / weight, 1.0, 1e-2);
     verify("beam on a table", "centre of pressure", site.center, 0.5, 1e-6);
 }
 
-/// The end that is lifted, the start clamped on the table: 24 EI h/w for an end that may turn, 72 EI h/w for a clamped one.
+/// The end that is lifted, the start clamped on the table: 24 EI h/w for an end that may turn, 72 EI h/w for a clamped
+/// one.
 #[test]
 fn a_heavy_beam_lifted_at_its_end_touches_down_where_theory_says() {
     let lifted: f64 = 0.6;
@@ -88,7 +92,8 @@ fn a_heavy_beam_lifted_at_its_end_touches_down_where_theory_says() {
         let weight = factor * height / lifted.powi(4);
         let supports = clamp("start", "true") + &end;
         let stages = format!(
-            "[[stages]]\nramp = {{ load = 1.0, displacement = {{ at = \"end\", to = [0.0, {height:?}, 0.0] }} }}\nsteps = 4\n"
+            "[[stages]]\nramp = {{ load = 1.0, displacement = {{ at = \"end\", to = [0.0, {height:?}, 0.0] }} }}\n\
+             steps = 4\n"
         );
         let text = beam(0.01, 40, weight) + &supports + &stages;
         let seen = steps(&text);
@@ -143,8 +148,8 @@ fn the_reference_of_the_ring_is_what_it_should_be() {
     verify("ring between plates", "small force", force, 0.001 / softness, 2e-3 * force);
 }
 
-/// The ring presses with the elastica's force all the way; each plate is touched at a point until it flattens, then at both
-/// ends of what lies flat. The force at which it flattens is 2.786 B/R².
+/// The ring presses with the elastica's force all the way; each plate is touched at a point until it flattens, then at
+/// both ends of what lies flat. The force at which it flattens is 2.786 B/R².
 #[test]
 fn a_ring_between_plates_presses_as_the_elastica_does() {
     let radius = 0.01;

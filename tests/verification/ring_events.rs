@@ -11,8 +11,8 @@
 //! A naturally straight isotropic rod, L = 1, B = 1, C = 1.5, diameters D/L = .03 and .01, is closed into a flat circle
 //! and turned by the excess link ΔLk. It is followed under a soft penalty on 96 cubic elements through whatever states
 //! the engine finds, without any symmetry imposed. Near an event each state is interpolated to meshes of twice the
-//! elements, once, four or five times, and brought to rest there under penalties raised to κ = 1e14 B/L⁴ (penetration below
-//! 1e-6 D). EA = GA = 1e9 B/L²: their effect is about 1e-6, but for the later events, which have 1e10.
+//! elements, once, four or five times, and brought to rest there under penalties raised to κ = 1e14 B/L⁴ (penetration
+//! below 1e-6 D). EA = GA = 1e9 B/L²: their effect is about 1e-6, but for the later events, which have 1e10.
 //!
 //! Reference: writhe, torque M₃L/(2πB) and bending energy of the Kirchhoff rod (inextensible, unshearable, hard
 //! contact) at the four events, by shooting (`common/kirchhoff_ring.rs`), which a test here compares with an earlier
@@ -31,18 +31,18 @@
 //! where they lie. Of writhe and torque this leaves 1e-6, and one → two, where the contact lies on a node, is found as
 //! well on 192 elements as on 1536. But the gap in the middle is so small between two and three points that a hundredth
 //! of that moves the later events: by 1e-4 on 192 elements; on 768 two → three by 1e-5, three → line by 6e-5 at most;
-//! on 1536 by 3e-6 and 1e-6 … 8e-6, by where the contacts come to lie; on 3072 by 1e-7 and 1e-6 … 2e-6 (with [`ELEMENTS`]
-//! of 97 and 98, where they lie otherwise, the thin ring's by 5e-6). What the latter is made of was found by comparing the
-//! eigenvalue in states with three points with shooting, state by state (thick ring, ΔLk 2.345 … 2.3793, divided by its
-//! slope, 1.8 per turn). All but the figures on 3072 were found with curvatures from cells of single elements.
-//! Stretch and shear: 9e-6 of ΔLk at EA = GA = 1e9, ten times as much at 1e8 (a strain N/EA changes D/L by 1e-8, and
-//! the gap in the middle with it). The mesh: a wave in the place of the outer contacts within their elements, of mean
-//! zero, ± 3e-5 on 768 elements, ± 5e-6 on 1536. The law: less than 1e-6 after Richardson's rule. So EA = 1e10 alone
-//! does not reach 1e-6 (on 1536 elements two → three was then 2e-6 off); with 3072 elements it brings three → line from
-//! 8e-6 to 2.7e-6 in writhe, 5e-6 to 1.6e-6 in torque. The curvature is taken from elements outside the layer (B/κ)^¼
-//! of the law (with those beside the contact one → two got worse with refinement: 3e-8, 6e-7, 3e-6 on 192, 384, 768
-//! elements). A polynomial through the last four states left 7e-6 of one → two of the thin ring, whose writhe turns
-//! steeply there; through all six it leaves 2e-6.
+//! on 1536 by 3e-6 and 1e-6 … 8e-6, by where the contacts come to lie; on 3072 by 1e-7 and 1e-6 … 2e-6 (with
+//! [`ELEMENTS`] of 97 and 98, where they lie otherwise, the thin ring's by 5e-6). What the latter is made of was found
+//! by comparing the eigenvalue in states with three points with shooting, state by state (thick ring, ΔLk 2.345 …
+//! 2.3793, divided by its slope, 1.8 per turn). All but the figures on 3072 were found with curvatures from cells of
+//! single elements. Stretch and shear: 9e-6 of ΔLk at EA = GA = 1e9, ten times as much at 1e8 (a strain N/EA changes
+//! D/L by 1e-8, and the gap in the middle with it). The mesh: a wave in the place of the outer contacts within their
+//! elements, of mean zero, ± 3e-5 on 768 elements, ± 5e-6 on 1536. The law: less than 1e-6 after Richardson's rule. So
+//! EA = 1e10 alone does not reach 1e-6 (on 1536 elements two → three was then 2e-6 off); with 3072 elements it brings
+//! three → line from 8e-6 to 2.7e-6 in writhe, 5e-6 to 1.6e-6 in torque. The curvature is taken from elements outside
+//! the layer (B/κ)^¼ of the law (with those beside the contact one → two got worse with refinement: 3e-8, 6e-7, 3e-6 on
+//! 192, 384, 768 elements). A polynomial through the last four states left 7e-6 of one → two of the thin ring, whose
+//! writhe turns steeply there; through all six it leaves 2e-6.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -61,8 +61,8 @@ use supercoil::solve::{Options, Solver, Status, StepReport};
 
 const ORDER: usize = 3;
 const ELEMENTS: usize = 96;
-/// Decade of the harder of the two penalties whose states are used. With 15 rounding moves the thin ring's three → line by
-/// 5e-6.
+/// Decade of the harder of the two penalties whose states are used. With 15 rounding moves the thin ring's three → line
+/// by 5e-6.
 const HARD: i32 = 14;
 
 /// How finely states are resolved.
@@ -280,8 +280,8 @@ fn first_events_of_the_thin_ring() {
     compare(&THIN, FINE, &[1e-6, 2e-6].map(Some));
 }
 
-/// Two curvatures of 1/D each differ by nothing at three → line, so 2e-6 asks for 6e-8 of them; the thick ring's 4e-6 for
-/// 2e-7. Curvatures extrapolated from cells of single elements, much narrower than their distance, left 2.5e-6.
+/// Two curvatures of 1/D each differ by nothing at three → line, so 2e-6 asks for 6e-8 of them; the thick ring's 4e-6
+/// for 2e-7. Curvatures extrapolated from cells of single elements, much narrower than their distance, left 2.5e-6.
 #[test]
 #[ignore = "slow: minutes, 3072 elements"]
 fn last_events_of_the_thin_ring() {

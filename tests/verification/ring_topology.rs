@@ -14,8 +14,8 @@
 //! very different stiffness: what is a point must not depend on it.
 //!
 //! Second: a ring under pressure. The zone of its point contact at the load at which it opens into a line (10.336033
-//! B/R³ for no thickness, 10.32919 for D/R = .001, `tests/verification/planar_touch.rs`) must be 2 · 1.0955 (2B/κ)^¼ long (see
-//! `observe::sites`), whatever κ.
+//! B/R³ for no thickness, 10.32919 for D/R = .001, `tests/verification/planar_touch.rs`) must be 2 · 1.0955 (2B/κ)^¼
+//! long (see `observe::sites`), whatever κ.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 

@@ -125,8 +125,8 @@ fn pull(start: &[(Shape, f64)], lengths: &[f64], elements: usize) -> Tight {
     let half_distance = 1.0 + 0.5 * seen.contact_gap.unwrap().lower;
     let ropelength = length / (2.0 * half_distance.min(1.0 / curvature));
     println!(
-        "length {length:.6}, half distance {half_distance:.6}, largest curvature {curvature:.4}: ropelength {ropelength:.5}; writhe {:.4}, {} sites, \
-         {} + {} iterations",
+        "length {length:.6}, half distance {half_distance:.6}, largest curvature {curvature:.4}: ropelength \
+         {ropelength:.5}; writhe {:.4}, {} sites, {} + {} iterations",
         seen.links[0].writhe, seen.num_sites, iterations, report.iterations
     );
     Tight { ropelength, half_distance, curvature }
@@ -188,7 +188,8 @@ fn tighter_knots_do_not_pretend_to_rest() {
         let half_distance = 1.0 + 0.5 * seen.contact_gap.unwrap().lower;
         let residual = solver.engine().relative_residual();
         println!(
-            "natural length {natural}: {:?} after {} iterations, residual {residual:.1e}, length over 2 half distances {:.4}",
+            "natural length {natural}: {:?} after {} iterations, residual {residual:.1e}, length over 2 half \
+             distances {:.4}",
             report.status,
             report.iterations,
             length / (2.0 * half_distance)

@@ -1,11 +1,11 @@
-//! Sensitivities against central differences of whole runs, 1e-6 of each derivative, or of the largest of its observable
-//! where it is small: with points of contact between rods, also sheared ones, and on obstacles, with rods that are joined, or
-//! curved by a table; along a line under a penalty.
+//! Sensitivities against central differences of whole runs, 1e-6 of each derivative, or of the largest of its
+//! observable where it is small: with points of contact between rods, also sheared ones, and on obstacles, with rods
+//! that are joined, or curved by a table; along a line under a penalty.
 //!
-//! Differences are of fourth order, of equilibria that converged to increments of 1e-12 and penetrations of 1e-13. Gaps that
-//! are open by less than 1e-6 radii are left open by the augmented Lagrangian, so that a force that sinks ends up to 1e-5 off
-//! (derivatives of runs then differ by 1e-5 to 1e-4 from each other). Each run is therefore approached from less contact:
-//! forces that rise are right to the tolerance of penetrations.
+//! Differences are of fourth order, of equilibria that converged to increments of 1e-12 and penetrations of 1e-13. Gaps
+//! that are open by less than 1e-6 radii are left open by the augmented Lagrangian, so that a force that sinks ends up
+//! to 1e-5 off (derivatives of runs then differ by 1e-5 to 1e-4 from each other). Each run is therefore approached from
+//! less contact: forces that rise are right to the tolerance of penetrations.
 
 use crate::common;
 
@@ -46,7 +46,8 @@ fn load(step: f64) -> Varied {
     (PrescribedNumber::Load, Box::new(|by| Ramp::Load { to: 1.0 + by }), step)
 }
 
-/// Checks derivatives of some observables by some parameters. `press` has a ramp that lessens contact, and the one back.
+/// Checks derivatives of some observables by some parameters. `press` has a ramp that lessens contact, and the one
+/// back.
 fn against_runs(
     name: &str,
     solver: &mut Solver,
@@ -248,8 +249,8 @@ fn joined_rods_across_a_bar() {
     against_runs(name, &mut solver, (&of, &[radius]), &press_by_load, 2e-5);
 }
 
-/// A cantilever rolled up by a dead force on 3000 nodes, EA L²/B = 10⁶: in the sums of its tangent stretch and shear hide bending, so
-/// that a response without refinement is 7e-5 off.
+/// A cantilever rolled up by a dead force on 3000 nodes, EA L²/B = 10⁶: in the sums of its tangent stretch and shear
+/// hide bending, so that a response without refinement is 7e-5 off.
 #[test]
 fn cantilever_on_a_fine_mesh() {
     let section = Section::isotropic(1.0, 1.5, 1e6, 1e6, 0.0);
@@ -314,8 +315,9 @@ fn beam_on_a_table_under_a_penalty() {
     against_runs("beam on a table, penalty", &mut solver, (&of, &to), &press_by_load, 1e-6);
 }
 
-/// Hard contact at the height H under the load q: the beam lies from ℓ on, qℓ⁴ = 72 BH, and stores E ∝ BH²/ℓ³ ∝ B^(1/4) q^(3/4) H^(5/4):
-/// dE/dx = aE/x for these exponents a. Pressures along lines are those of nodes: derivatives are right to the mesh, not to 1e-6.
+/// Hard contact at the height H under the load q: the beam lies from ℓ on, qℓ⁴ = 72 BH, and stores E ∝ BH²/ℓ³ ∝ B^(1/4)
+/// q^(3/4) H^(5/4): dE/dx = aE/x for these exponents a. Pressures along lines are those of nodes: derivatives are right
+/// to the mesh, not to 1e-6.
 #[test]
 fn beam_on_a_table() {
     let mut solver = on_a_table(hard(1e3));
@@ -336,8 +338,9 @@ fn beam_on_a_table() {
     }
 }
 
-/// A ring of length L about a cylinder that is too large for it, in hard contact all along: its curvature a reference length is 2π/L and its
-/// stretch λ = 2πρ/L, so that its energy is ½EA L (λ − 1)² + 2π²B/L, and the contact force 2π EA (λ − 1).
+/// A ring of length L about a cylinder that is too large for it, in hard contact all along: its curvature a reference
+/// length is 2π/L and its stretch λ = 2πρ/L, so that its energy is ½EA L (λ − 1)² + 2π²B/L, and the contact force 2π EA
+/// (λ − 1).
 #[test]
 fn ring_about_a_cylinder() {
     const STRETCHING: f64 = 1e3;

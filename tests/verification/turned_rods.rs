@@ -1,8 +1,8 @@
-//! A rod clamped at one end and turned at the other, which may slide along the axis, without pull: where it buckles, and
-//! what holds of it wound up in a plectoneme.
+//! A rod clamped at one end and turned at the other, which may slide along the axis, without pull: where it buckles,
+//! and what holds of it wound up in a plectoneme.
 //!
-//! * Loss of stability of the straight rod: Greenhill's ML/B = 8.986818916 for two clamps, so Φ = 8.986818916 B/C. Here C/B
-//!   = 1/(1 + ν) = 4/3. The difference goes with the square of the thickness: by shear and by the rod's own
+//! * Loss of stability of the straight rod: Greenhill's ML/B = 8.986818916 for two clamps, so Φ = 8.986818916 B/C. Here
+//!   C/B = 1/(1 + ν) = 4/3. The difference goes with the square of the thickness: by shear and by the rod's own
 //!   shortening, which Greenhill's thin rod does not have.
 //! * With the thin rod in contact with itself, whatever its shape: forces and moments of the two ends balance, for
 //!   contact is internal; and M = dE/dΦ, E the elastic energy, by differences of two

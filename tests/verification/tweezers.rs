@@ -8,20 +8,21 @@
 //!               ╰╯
 //! ```
 //!
-//! A turn of the end that winds ds more of the rod into the superhelix costs ½B κ² ds of bending, κ = sin²α/R, and T ds of
-//! work against the pull, while ds sin 2α/(4πR) turns are taken up. M is the least cost of an angle: the least of
-//! M(α) = 2R(½B sin⁴α/R² + T)/sin 2α. That is found here by search; the derivative set to zero gives the form T = B sin⁴α/R²
-//! (½ + 1/cos 2α), M = 2B sin³α cos α/(R cos 2α), which `plectoneme_under_tension` has. Bending B = 205.7 and twisting 411.4
-//! pN nm², T = 1, 2, 4 pN.
+//! A turn of the end that winds ds more of the rod into the superhelix costs ½B κ² ds of bending, κ = sin²α/R, and T ds
+//! of work against the pull, while ds sin 2α/(4πR) turns are taken up. M is the least cost of an angle: the least of
+//! M(α) = 2R(½B sin⁴α/R² + T)/sin 2α. That is found here by search; the derivative set to zero gives the form T = B
+//! sin⁴α/R² (½ + 1/cos 2α), M = 2B sin³α cos α/(R cos 2α), which `plectoneme_under_tension` has. Bending B = 205.7 and
+//! twisting 411.4 pN nm², T = 1, 2, 4 pN.
 //!
-//! The scene is `tests/scenes/tweezers.toml`, 640 nm long, and hardly to be stretched or sheared (EA = GA = 1e5 pN: with the
-//! scene's 1100 pN the ends approach by .3 % less and the torque is .1 % lower): the straight rod snaps into a plectoneme,
-//! which then takes up 6 to 12 turns of the end. End loop and tails are the same after four turns more, so that differences are those of
-//! the superhelix; the angle is that between the strands, in the middle half of the longest line.
+//! The scene is `tests/scenes/tweezers.toml`, 640 nm long, and hardly to be stretched or sheared (EA = GA = 1e5 pN:
+//! with the scene's 1100 pN the ends approach by .3 % less and the torque is .1 % lower): the straight rod snaps into a
+//! plectoneme, which then takes up 6 to 12 turns of the end. End loop and tails are the same after four turns more, so
+//! that differences are those of the superhelix; the angle is that between the strands, in the middle half of the
+//! longest line.
 //!
-//! A plectoneme rests where its points of contact lie well on the mesh. From state to state the extension is off its line by
-//! up to .1 nm, .2 % of the approach of a turn, so the slope is that of a line through twenty states in four turns; in two
-//! it would be off by up to .2 % itself, as the states happen to lie.
+//! A plectoneme rests where its points of contact lie well on the mesh. From state to state the extension is off its
+//! line by up to .1 nm, .2 % of the approach of a turn, so the slope is that of a line through twenty states in four
+//! turns; in two it would be off by up to .2 % itself, as the states happen to lie.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 use std::ops::ControlFlow;

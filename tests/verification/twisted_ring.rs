@@ -132,9 +132,9 @@ fn plectoneme_of_the_thick_ring() {
     verify_plectoneme(&seen, 0.03, [3.03002, 2.32740, 8.38007], 1e-3);
 }
 
-/// Raising the penalty tenfold costs at most six Newton steps where all contacts are points that stay, mostly three, and
-/// at most eight where two are about to become three and along a line, each search ending superlinearly; at κ = 1e14
-/// the force is the hard one.
+/// Raising the penalty tenfold costs at most six Newton steps where all contacts are points that stay, mostly three,
+/// and at most eight where two are about to become three and along a line, each search ending superlinearly; at κ =
+/// 1e14 the force is the hard one.
 #[test]
 fn decades_of_the_penalty_converge_superlinearly() {
     let penalty = |kappa: f64| move |radius4: f64| ContactLaw::Penalty { stiffness: kappa * radius4 };

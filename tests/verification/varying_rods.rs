@@ -1,15 +1,15 @@
 //! Stiffness and natural strains that vary along the rod and couple its strains: a cantilever, and a ring of DNA with
 //! twist–bend coupling.
 //!
-//! References solve the equations of the continuous rod, r′ = R Γ, R′ = R K×, M′ = −r′ × F, with (Γ, K) = ε0(s) + C(s)⁻¹ (Rᵀ
-//! F, Rᵀ M), by the Runge–Kutta method of order four:
-//!  * cantilever of length 1: all 21 entries of C and all six natural strains vary with s, the natural curvature turns in
-//!    the section. Force and moment at the clamp are chosen, so that one integration gives the end and the moment that is
-//!    to be applied there; nothing is searched for;
+//! References solve the equations of the continuous rod, r′ = R Γ, R′ = R K×, M′ = −r′ × F, with (Γ, K) = ε0(s) +
+//! C(s)⁻¹ (Rᵀ F, Rᵀ M), by the Runge–Kutta method of order four:
+//!  * cantilever of length 1: all 21 entries of C and all six natural strains vary with s, the natural curvature turns
+//!    in the section. Force and moment at the clamp are chosen, so that one integration gives the end and the moment
+//!    that is to be applied there; nothing is searched for;
 //!  * ring of 104 base pairs of the isotropic model "IdealDNA" (bending .0427, twist .0597 kT/deg², translations 20
-//!    kT/Å², 34.2857° and 3.4 Å a step), Lk = 10, with a coupling of 25 nm kT between bending about d2 and twist put in.
-//!    Shooting for force and moment at one point. The ring may slide along itself, which leaves the phase of its twist
-//!    wave open: compared are energy and the amplitude of the wave, 2 |∮ K3 exp(2πi Lk s/L) ds|/L.
+//!    kT/Å², 34.2857° and 3.4 Å a step), Lk = 10, with a coupling of 25 nm kT between bending about d2 and twist put
+//!    in. Shooting for force and moment at one point. The ring may slide along itself, which leaves the phase of its
+//!    twist wave open: compared are energy and the amplitude of the wave, 2 |∮ K3 exp(2πi Lk s/L) ds|/L.
 
 use crate::common;
 

@@ -125,7 +125,8 @@ impl Cubic {
         Self { b: self.b.map(|p| p - origin) }
     }
 
-    /// True if `next` starts where this curve ends, to [`COINCIDENT`] of their size (and the ulps of points far from the origin).
+    /// True if `next` starts where this curve ends, to [`COINCIDENT`] of their size (and the ulps of points far from
+    /// the origin).
     pub(crate) fn joins(&self, next: &Self) -> bool {
         let size: f64 = self.edges().iter().chain(&next.edges()).map(Vec3::amax).sum();
         (next.b[0] - self.b[3]).amax() <= COINCIDENT * size + 8.0 * f64::EPSILON * self.b[3].amax()

@@ -5,8 +5,8 @@ use crate::contact::curves::radius::Radius;
 use crate::error::InputError;
 use crate::math::{LARGEST, Vec3};
 
-/// Distance from an end of a segment, as a parameter, below which a point counts as the joint, because roots of a quintic
-/// are rounded by less, and no two sites are as near.
+/// Distance from an end of a segment, as a parameter, below which a point counts as the joint, because roots of a
+/// quintic are rounded by less, and no two sites are as near.
 pub(crate) const JOINT: f64 = 1e-9;
 
 /// Where the centreline runs.

@@ -80,9 +80,9 @@ impl Law {
     }
 }
 
-/// Length of the shortest line over that of the longest point contact, because crossings of strands that wind about each
-/// other were up to 1.2 times as long under soft laws (κε⁴/B of 50), and lines exceed 1.5 at once. A factor of 1 would be
-/// exact for strands that bend in one plane under an even law.
+/// Length of the shortest line over that of the longest point contact, because crossings of strands that wind about
+/// each other were up to 1.2 times as long under soft laws (κε⁴/B of 50), and lines exceed 1.5 at once. A factor of 1
+/// would be exact for strands that bend in one plane under an even law.
 const LINE_OVER_POINT: f64 = 1.5;
 /// The root βa of the equation in [`shortest_line`].
 const HALF_ZONE_AT_OPENING: f64 = 1.095_543_932_565_708;

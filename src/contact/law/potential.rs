@@ -5,10 +5,10 @@
 //! U = Σ_ordered pairs w ∫_zone ± ½ κ ⟨c(s) − gap(s)⟩² ds        gap = |a(u) − b(v(u))| − ε_a − ε_b
 //! ```
 //!
-//! Each strand integrates over its own length with its share w, ½ for equal strands; [`zones`](crate::contact::zones) defines the parts with
-//! the sign −. With d the distance at the foot, n the unit normal from foot to slave point, w_m the eight Bernstein
-//! weights (minus on the master): δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on w_m w_n minus
-//! q⊗q/d_vv, the Schur complement of the foot.
+//! Each strand integrates over its own length with its share w, ½ for equal strands; [`zones`](crate::contact::zones)
+//! defines the parts with the sign −. With d the distance at the foot, n the unit normal from foot to slave point, w_m
+//! the eight Bernstein weights (minus on the master): δd = n·Σ w_m δx_m (envelope theorem), and ∇²d = (I − n⊗n)/d on
+//! w_m w_n minus q⊗q/d_vv, the Schur complement of the foot.
 
 use crate::contact::curves::curve::{Cubic, CurveSet};
 use crate::contact::curves::input::{CurveShape, Strands};

@@ -112,7 +112,8 @@ pub fn distance_lower_bound_within(a: &Cubic, b: &Cubic, tol: f64) -> f64 {
     nearest_parts(a, b, tol, MAX_HALVINGS, f64::INFINITY)
 }
 
-/// Halvings of a pair of cubics in all, because their bulges have then fallen to 1e-7, and the work could double with each.
+/// Halvings of a pair of cubics in all, because their bulges have then fallen to 1e-7, and the work could double with
+/// each.
 const MAX_HALVINGS: usize = 24;
 
 fn nearest_parts(a: &Cubic, b: &Cubic, tol: f64, halvings: usize, known: f64) -> f64 {

@@ -26,11 +26,12 @@ type Lane = [f32; LANES];
 /// Pairs tested together, because a vector register holds four f32.
 const LANES: usize = 4;
 
-/// Bound of the rounding of the projections, relative to |w|₁ × the largest component, because that is more than 3 casts,
-/// 3 products and 5 sums make.
+/// Bound of the rounding of the projections, relative to |w|₁ × the largest component, because that is more than 3
+/// casts, 3 products and 5 sums make.
 const SAFETY: f32 = 16.0 * f32::EPSILON;
 
-/// Largest ratio of size and radius of pairs that are tested, because f32 holds its fourth power; pairs beyond are kept.
+/// Largest ratio of size and radius of pairs that are tested, because f32 holds its fourth power; pairs beyond are
+/// kept.
 const LARGEST: f64 = 1e7;
 
 /// Vectors of four pairs.

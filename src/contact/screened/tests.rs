@@ -78,7 +78,8 @@ fn derivatives_of_the_law_are_those_of_its_energy() {
     assert_eq!(LAW.at(30.0), PairEnergy::default());
 }
 
-/// Two parallel lines: 2A K₀(d/λ) per length. The error of the range is as the header says: 6.6e-5 and 2.3e-3 were found.
+/// Two parallel lines: 2A K₀(d/λ) per length. The error of the range is as the header says: 6.6e-5 and 2.3e-3 were
+/// found.
 #[test]
 fn parallel_strands_repel_as_bessel_says() {
     let both = |distance: f64| {

@@ -8,8 +8,8 @@ use crate::contact::curves::curve::CurveSet;
 use crate::contact::law::potential::{ContactPair, ZonePiece};
 use crate::contact::measures::COINCIDENT;
 
-/// Largest distance of the feet of the ends of consecutive pieces on the master, over the contact distance, because feet
-/// are less accurate than the ends where the distance hardly changes along the master.
+/// Largest distance of the feet of the ends of consecutive pieces on the master, over the contact distance, because
+/// feet are less accurate than the ends where the distance hardly changes along the master.
 pub(crate) const TOL_FOOT: f64 = 1e-2;
 
 /// A piece with its place on both strands, the slave's first.
@@ -24,8 +24,9 @@ pub(crate) struct ChainPiece<'a> {
 }
 
 impl ChainPiece<'_> {
-    /// Whether it consists of farthest points, which the potential subtracts, or of a fold of which the farthest points carry
-    /// nearly as much as the nearest or more: then little is left of the force, and the resultant is larger than that.
+    /// Whether it consists of farthest points, which the potential subtracts, or of a fold of which the farthest points
+    /// carry nearly as much as the nearest or more: then little is left of the force, and the resultant is larger than
+    /// that.
     fn is_subtracted(&self) -> bool {
         self.zone.piece.branch.is_subtracted() || self.zone.push.norm() > 2.0 * self.zone.force
     }

@@ -30,15 +30,15 @@ mod pieces;
 #[cfg(test)]
 mod tests;
 
-/// Pieces examined per candidate pair, and in all at least, before the search ends with a wider interval, because a line of
-/// contact that is level to rounding could be cut without end.
+/// Pieces examined per candidate pair, and in all at least, before the search ends with a wider interval, because a
+/// line of contact that is level to rounding could be cut without end.
 const BUDGET_PER_PAIR: usize = 2000;
 const BUDGET_MIN: usize = 200_000;
 /// Parts of the largest gap below which is looked, one after the other, because beside each other rods have a number of
 /// pairs of segments that grows with the root of the ceiling, and only those near the smallest gap matter.
 const CEILINGS: [f64; 3] = [1.0 / 256.0, 1.0 / 16.0, 1.0];
-/// Distance beyond the smallest one known, over the radii, within which a place is tried, because a smaller known distance
-/// leaves fewer pieces.
+/// Distance beyond the smallest one known, over the radii, within which a place is tried, because a smaller known
+/// distance leaves fewer pieces.
 const NEARBY: f64 = 1e-3;
 /// Halvings of a pair of pieces, at most, because the bounds of pieces that small are rounding.
 const MAX_DEPTH: u32 = 40;
@@ -76,10 +76,10 @@ pub struct Clearance {
 /// be a mutual closest pair (Fenchel). The open ends of a curve are also compared with their one-sided projections on
 /// that curve, from π/2 of total curvature on.
 ///
-/// Branch and bound, smallest lower bound first. The work is bounded (2000 pieces per candidate pair, at least 200 000):
-/// when it runs out (the place may then be beyond `max_gap`), or `tol` is below rounding (about 1e-14 of the squared
-/// segment size over the distance), the returned interval is wider than `tol` but still true. `exclusion` must be up to
-/// date with `set`.
+/// Branch and bound, smallest lower bound first. The work is bounded (2000 pieces per candidate pair, at least 200
+/// 000): when it runs out (the place may then be beyond `max_gap`), or `tol` is below rounding (about 1e-14 of the
+/// squared segment size over the distance), the returned interval is wider than `tol` but still true. `exclusion` must
+/// be up to date with `set`.
 #[must_use]
 pub fn smallest_clearance(set: &CurveSet, exclusion: &Exclusion, max_gap: f64, tol: f64) -> Option<Clearance> {
     if !max_gap.is_finite() || tol.is_nan() {

@@ -35,15 +35,15 @@ use crate::contact::curves::curve::Cubic;
 use crate::contact::measures::{MAX_STEPS, SUM_ROUNDING};
 use crate::math::Vec3;
 
-/// Cells examined for one pair, times the sampling, because parallel curves of different speed have cells without end; the
-/// rest is undecided.
+/// Cells examined for one pair, times the sampling, because parallel curves of different speed have cells without end;
+/// the rest is undecided.
 const CELLS: usize = 64;
 /// Smallest width of a cell that is cut, because the borders of smaller ones are a large part of them.
 const SMALLEST: f64 = 1e-8;
 /// Fraction at which cells are cut, not the middle, because minima of symmetric cases would lie on borders.
 const CUT: f64 = 0.4837;
-/// Fraction to which a cell must be clipped, or sheared, to be examined again before it is cut, because with less gain a
-/// cut does better.
+/// Fraction to which a cell must be clipped, or sheared, to be examined again before it is cut, because with less gain
+/// a cut does better.
 const WORTH: f64 = 0.7;
 /// Smallest fraction that a cell is clipped to at once, because bounds of second derivatives over very narrow cells are
 /// lost in rounding.

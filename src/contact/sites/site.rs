@@ -65,8 +65,8 @@ pub(crate) struct Minimum {
 
 /// Largest sine of parallel directions, because the directions themselves are rounded by as much.
 const PARALLEL: f64 = 4.0 * f64::EPSILON;
-/// Largest one-sided slope that counts as zero at joints, relative to the product of the lengths, because it is rounded by
-/// as much; duplicates are removed later.
+/// Largest one-sided slope that counts as zero at joints, relative to the product of the lengths, because it is rounded
+/// by as much; duplicates are removed later.
 const LEVEL: f64 = 8.0 * f64::EPSILON;
 
 /// num/den in \[0, 1\].
@@ -138,7 +138,8 @@ fn owned(strands: &Strands, segment: usize, u: f64, w: &Vec3) -> bool {
     })
 }
 
-/// The site of a minimum: gap, normal, angle and arc lengths from its parameters. `arc(segment, u)` is the arc length from the start of the curve.
+/// The site of a minimum: gap, normal, angle and arc lengths from its parameters. `arc(segment, u)` is the arc length
+/// from the start of the curve.
 pub(crate) fn site_of(strands: &Strands, arc: impl Fn(usize, f64) -> f64, found: &Minimum) -> Site {
     let (i, j, u, v) = (found.i as usize, found.j as usize, found.u, found.v);
     let ((a, da), (b, db)) = (point_and_tangent(strands, i, u), point_and_tangent(strands, j, v));

@@ -101,9 +101,9 @@ impl BroadPhase {
         self.built.as_ref().is_some_and(|built| (built.range, built.margin) == (range, margin))
     }
 
-    /// All pairs i < j of segments, sorted, that are not excluded as neighbours and whose curves may be within radius_i +
-    /// radius_j + `range` \[L\] of each other. A pair up to `margin` \[L\] farther may be listed; a pair whose
-    /// capsules are provably farther apart is not. `exclusion` must be up to date with `set`.
+    /// All pairs i < j of segments, sorted, that are not excluded as neighbours and whose curves may be within both
+    /// radii + `range` \[L\] of each other. A pair up to `margin` \[L\] farther may be listed; a pair whose capsules
+    /// are provably farther apart is not. `exclusion` must be up to date with `set`.
     ///
     /// A larger `margin` means fewer rebuilds and longer lists; 0 rebuilds at every call. Rebuilt also when `range`,
     /// `margin`, the number of segments or the curves (radii, closure) change. The result depends on the calls made,

@@ -12,8 +12,8 @@
 //! **Joints.** Strands of two curves that are joined overlap there at any angle, and no turning says how far. Pairs of
 //! their segments near the joint are given ([`Exclusion::leave_out`]).
 //!
-//! Of one curve neither element indices nor arc lengths enter: a tight loop of few elements is detected, a long straight part is
-//! excluded as a whole.
+//! Of one curve neither element indices nor arc lengths enter: a tight loop of few elements is detected, a long
+//! straight part is excluded as a whole.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -23,8 +23,8 @@ use crate::contact::measures::USUAL;
 use crate::error::SolveError;
 use crate::math::Vec3;
 
-/// Change of turning after which a candidate list is rebuilt, rad, because a larger one puts more neighbours on the list,
-/// and a smaller one rebuilds it more often.
+/// Change of turning after which a candidate list is rebuilt, rad, because a larger one puts more neighbours on the
+/// list, and a smaller one rebuilds it more often.
 const SLACK: f64 = 0.25;
 
 /// Turning bounds of all curves; updated with the geometry.
@@ -190,9 +190,9 @@ impl Exclusion {
         self.reach.len() == built.len() && self.reach.iter().zip(built).all(|(now, then)| now >= then)
     }
 
-    /// Upper bound of the turning, rad, of the forward arc from one point to another of the same curve, each a segment and
-    /// its parameter (through the closing joint if need be; on open curves `from` must come before `to`). Sharper than
-    /// whole segments, because the end pieces are cut. Infinite if there is no such arc.
+    /// Upper bound of the turning, rad, of the forward arc from one point to another of the same curve, each a segment
+    /// and its parameter (through the closing joint if need be; on open curves `from` must come before `to`). Sharper
+    /// than whole segments, because the end pieces are cut. Infinite if there is no such arc.
     #[must_use]
     pub fn turning_between(&self, set: &CurveSet, from: (usize, f64), to: (usize, f64)) -> f64 {
         self.turning_of_arc(from, to, |k| set.segments[k])
@@ -265,8 +265,8 @@ impl Exclusion {
     }
 }
 
-/// Bound of the rounding, rad, of turning accumulated over a curve: each segment adds two angles, rounded to an ulp, and two
-/// roundings of the sum.
+/// Bound of the rounding, rad, of turning accumulated over a curve: each segment adds two angles, rounded to an ulp,
+/// and two roundings of the sum.
 fn rounding(num_segments: usize, total: f64) -> f64 {
     4.0 * f64::EPSILON * num_segments as f64 * (1.0 + total)
 }

@@ -15,7 +15,8 @@ use crate::math::{Vec3, parallel};
 /// Below this many leaves all their pairs are tested, because a tree costs more than it saves (and the library's
 /// builder does not accept 1 or 2 leaves).
 const SMALL: usize = 8;
-/// Growth of the inner boxes relative to the leaves after which a tree is rebuilt, because a build costs more than a refit.
+/// Growth of the inner boxes relative to the leaves after which a tree is rebuilt, because a build costs more than a
+/// refit.
 const SPOILT: f64 = 1.5;
 
 /// Leaves and the tree over them.

@@ -6,8 +6,8 @@ use crate::contact::curves::input::JOINT;
 use crate::contact::measures::MAX_STEPS;
 use crate::math::Vec3;
 
-/// Newton step, of a segment's parameter, below which a step that does not shrink by much is rounding, because where the
-/// connection is longer than the segment, rounding keeps the last steps above a few units in the last place.
+/// Newton step, of a segment's parameter, below which a step that does not shrink by much is rounding, because where
+/// the connection is longer than the segment, rounding keeps the last steps above a few units in the last place.
 const STALLED: f64 = 1e-12;
 
 /// Function whose root is computed.

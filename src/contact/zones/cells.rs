@@ -21,8 +21,8 @@ use crate::contact::projection::stationarity;
 use crate::math::Vec3;
 use crate::math::bernstein::{Roots, roots};
 
-/// Least slope of f over its largest in a cell, because the energy of random curves changes by 4e-8 at most where this is
-/// halved or doubled.
+/// Least slope of f over its largest in a cell, because the energy of random curves changes by 4e-8 at most where this
+/// is halved or doubled.
 const EVEN: f64 = 0.1;
 
 /// Largest number of cells examined, because slave points with an arc of the master at one distance have cells without

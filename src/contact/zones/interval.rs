@@ -2,8 +2,8 @@
 //!
 //! For a straight segment against a straight segment the interval is exact: the distance from a segment is convex, so
 //! the part of a line within range of it is one interval, its ends roots of quadratics. Cubics go through
-//! [`SegmentPair::pieces`](crate::contact::zones::SegmentPair::pieces). The intervals of pairs of segments are then joined where both they and
-//! their partner intervals touch.
+//! [`SegmentPair::pieces`](crate::contact::zones::SegmentPair::pieces). The intervals of pairs of segments are then
+//! joined where both they and their partner intervals touch.
 
 use std::cell::OnceCell;
 
@@ -169,8 +169,8 @@ impl StraightPair {
         };
         let (ee, de, er) = (e.norm_squared(), d.dot(&e), e.dot(&r));
         let foot = |u: f64| ((er + u * de) / ee).clamp(0.0, 1.0);
-        // Before the start of e, beside it, beyond its end: the line relative to the nearest point, and the range of u with
-        // its foot there.
+        // Before the start of e, beside it, beyond its end: the line relative to the nearest point, and the range of u
+        // with its foot there.
         let beside = [r - e * (er / ee), d - e * (de / ee)];
         let unit = [0.0, 1.0];
         let before = (cut(unit, -er, -de), [r, d]);

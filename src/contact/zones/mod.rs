@@ -21,7 +21,8 @@
 //! of a distance,
 //!
 //! ```text
-//! Σ_nearest φ(d) − Σ_farthest φ(d) = −∫₀^reach φ′(ρ) χ(ρ) dρ        χ(ρ): number of strands of the master in the ball of radius ρ about x
+//! Σ_nearest φ(d) − Σ_farthest φ(d) = −∫₀^reach φ′(ρ) χ(ρ) dρ
+//! χ(ρ): number of strands of the master in the ball of radius ρ about x
 //! ```
 //!
 //! (Euler's characteristic of the part of the master in the ball; Morse theory.) A strand bent within the ball is one
@@ -30,8 +31,8 @@
 //! functional of Meier et al.; that holds wherever the curvature of the master is less than 1 over the reach. The sum
 //! is C¹ in x: where a nearest and a farthest point meet, their distances and normals do too, and corners of the master
 //! take over from its segments likewise (of a closed curve in the ball it is continuous where two points are farthest).
-//! On the bisector of an acute notch a point is pushed out unless it overlaps by more than 0.85 of the reach; deeper, it
-//! sees one strand.
+//! On the bisector of an acute notch a point is pushed out unless it overlaps by more than 0.85 of the reach; deeper,
+//! it sees one strand.
 //!
 //! Pairs with ∂f/∂v < 0 throughout, shown by a bound of the control points, have one branch; the others are cut into
 //! cells.

@@ -3,8 +3,8 @@
 use crate::contact::measures::COINCIDENT;
 use crate::math::Vec3;
 
-/// Samples per branch interval, because bracketing then misses only dips narrower than the oscillations of a cubic between
-/// two samples.
+/// Samples per branch interval, because bracketing then misses only dips narrower than the oscillations of a cubic
+/// between two samples.
 pub(super) const NUM_SAMPLES: usize = 7;
 
 /// Kind of foot along a piece.

@@ -1,7 +1,8 @@
 //! Contact zones of a pair of straight segments in closed form, as [`SegmentPair`](super::SegmentPair) for cubics.
 //!
 //! ```text
-//!  slave   a(u) = a₀ + u d        foot   v(u) = e·(r + u d)/e²        from foot to slave point   x + u y   (orthogonal to e)
+//!  slave   a(u) = a₀ + u d        foot   v(u) = e·(r + u d)/e²
+//!  from foot to slave point   x + u y   (orthogonal to e)
 //!  master  b(v) = b₀ + v e        r = a₀ − b₀                         x = r − e (e·r)/e²,  y = d − e (e·d)/e²
 //! ```
 //!

@@ -1,10 +1,10 @@
-//! Base pairs on the rod that models them: where each lies on the rod at rest, so that states of the rod give states of the
-//! base pairs.
+//! Base pairs on the rod that models them: where each lies on the rod at rest, so that states of the rod give states of
+//! the base pairs.
 //!
 //! A rod interpolates between its nodes, base pairs do not: their steps jump. So a base pair is not read off the
-//! interpolation. It has a place and a frame relative to the rod there, which are those at rest: the stress-free rod with its
-//! nodes on their places, interpolated by the same elements. What elements interpolate is then the deformation alone. A rod
-//! at rest gives back its own steps exactly, on any mesh, and in blocks of steps too.
+//! interpolation. It has a place and a frame relative to the rod there, which are those at rest: the stress-free rod
+//! with its nodes on their places, interpolated by the same elements. What elements interpolate is then the deformation
+//! alone. A rod at rest gives back its own steps exactly, on any mesh, and in blocks of steps too.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -25,8 +25,8 @@ const PLACE: [&str; 7] = ["x", "y", "z", "qw", "qx", "qy", "qz"];
 pub struct AtRest {
     /// The bases.
     pub sequence: Sequence,
-    /// Tilt, roll, twist (degrees), shift, slide, rise (Å) of every step at rest; of a closed molecule also the last one, back
-    /// to the first pair.
+    /// Tilt, roll, twist (degrees), shift, slide, rise (Å) of every step at rest; of a closed molecule also the last
+    /// one, back to the first pair.
     pub steps: Vec<[f64; 6]>,
     /// Frame and place (nm) of every base pair as seen from the rod there.
     on_rod: Vec<(Quat, Vec3)>,
@@ -99,8 +99,8 @@ impl AtRest {
         most
     }
 
-    /// The file of the base pairs of several rods: a line each, with the step that leads to it at rest (zeros for the first
-    /// of an open molecule).
+    /// The file of the base pairs of several rods: a line each, with the step that leads to it at rest (zeros for the
+    /// first of an open molecule).
     pub(crate) fn table<'a>(rods: impl Iterator<Item = (usize, &'a Self)>) -> String {
         let mut text = format!("base,rod,{},{}\n", PLACE.join(","), PARAMETERS.join(","));
         for (rod, at_rest) in rods {

@@ -107,9 +107,9 @@ impl BasePairs {
         Ok(pairs)
     }
 
-    /// Step parameters as 3DNA has them in `bp_step.par`: degrees and Å. A line has the step that leads to its pair. A closed
-    /// molecule ends with its first pair once more: the step from the last pair back to it. The pose of the first pair is
-    /// lost.
+    /// Step parameters as 3DNA has them in `bp_step.par`: degrees and Å. A line has the step that leads to its pair. A
+    /// closed molecule ends with its first pair once more: the step from the last pair back to it. The pose of the
+    /// first pair is lost.
     #[must_use]
     pub fn par(&self) -> String {
         let (count, steps) = (self.positions.len(), self.steps());

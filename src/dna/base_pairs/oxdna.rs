@@ -100,9 +100,9 @@ impl BasePairs {
     }
 }
 
-/// The strand that is read of an oxDNA topology of two strands, letters from 5′ to 3′: the first of the file, in its classic
-/// form (a line a nucleotide, 3′ to 5′) or in that since version 3.6 (a line a strand, 5′ to 3′). The second strand must be its
-/// complement.
+/// The strand that is read of an oxDNA topology of two strands, letters from 5′ to 3′: the first of the file, in its
+/// classic form (a line a nucleotide, 3′ to 5′) or in that since version 3.6 (a line a strand, 5′ to 3′). The second
+/// strand must be its complement.
 ///
 /// # Errors
 /// The line of what is no such topology.

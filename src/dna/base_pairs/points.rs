@@ -10,8 +10,8 @@ const MOST_ATOMS: usize = 100_000;
 const MOST_RESIDUES: usize = 10_000;
 /// Largest coordinate that fits the columns of PDB, Å.
 const LARGEST_PDB: f64 = 9999.999;
-/// Place of an atom P in the frame of its base pair, Å: outward along d2, and along d3 to the 5' end of its strand. Atoms of
-/// the ideal helix face each other by 12 Å across the minor and 18 Å across the major groove, as in fibres.
+/// Place of an atom P in the frame of its base pair, Å: outward along d2, and along d3 to the 5' end of its strand.
+/// Atoms of the ideal helix face each other by 12 Å across the minor and 18 Å across the major groove, as in fibres.
 const PHOSPHORUS_OUTWARD: f64 = 9.3;
 const PHOSPHORUS_TO_5: f64 = 1.8;
 /// Å per nm.
@@ -42,11 +42,12 @@ impl BasePairs {
         text
     }
 
-    /// PDB, Å: the atoms P of both strands, as residues DA, DC, DG, DT of chain A (the strand of the sequence, from its 5' end)
-    /// and of chain B (its complement, from its own 5' end), numbered on. DN where bases are not known. In a closed molecule
-    /// the last atom of a chain is bonded to its first.
+    /// PDB, Å: the atoms P of both strands, as residues DA, DC, DG, DT of chain A (the strand of the sequence, from its
+    /// 5' end) and of chain B (its complement, from its own 5' end), numbered on. DN where bases are not known. In a
+    /// closed molecule the last atom of a chain is bonded to its first.
     ///
-    /// An atom P lies where fibres of B-DNA have it on average: 9.3 Å from the axis of the base pair, 1.8 Å towards the 5' end.
+    /// An atom P lies where fibres of B-DNA have it on average: 9.3 Å from the axis of the base pair, 1.8 Å towards the
+    /// 5' end.
     ///
     /// # Errors
     /// A molecule that reaches 999 nm from the origin, where the format's columns end, with the base pair.
@@ -70,7 +71,8 @@ impl BasePairs {
                 let [x, y, z]: [f64; 3] = atom.into();
                 let _ = writeln!(
                     text,
-                    "ATOM  {number:>5}  P    D{base} {chain}{residue:>4}    {x:>8.3}{y:>8.3}{z:>8.3}  1.00  0.00           P"
+                    "ATOM  {number:>5}  P    D{base} {chain}{residue:>4}    {x:>8.3}{y:>8.3}{z:>8.3}  1.00  \
+                     0.00           P"
                 );
             }
             chain_ends.push(serial);

@@ -1,6 +1,6 @@
-//! Obstacles are drawn as lines: a plane as a grid below the rods, a sphere as circles of latitude and longitude, a cylinder as
-//! circles and straight lines along the rods, a capsule as a sphere about either end and a cylinder between them. The side
-//! that rods are on is seen, so that a ball hides its back and a tube is cut open.
+//! Obstacles are drawn as lines: a plane as a grid below the rods, a sphere as circles of latitude and longitude, a
+//! cylinder as circles and straight lines along the rods, a capsule as a sphere about either end and a cylinder between
+//! them. The side that rods are on is seen, so that a ball hides its back and a tube is cut open.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,15 +12,16 @@ use crate::scene::{Obstacle, ObstaclePose, Skeleton};
 const SQUARES: f64 = 8.0;
 /// Edges of a circle, because more are not seen to be straight.
 const EDGES: usize = 48;
-/// Circles through both poles of a sphere, and straight lines along a cylinder over two: as many as still let rods be seen.
+/// Circles through both poles of a sphere, and straight lines along a cylinder over two: as many as still let rods be
+/// seen.
 const MERIDIANS: usize = 8;
 /// Length of an endless capsule that is drawn, in radii: as much as shows its direction.
 const SHOWN: f64 = 8.0;
 /// Circles of a cylinder, at most.
 const MOST_CIRCLES: f64 = 24.0;
 
-/// Lines \[L\] that show the surface of an obstacle at the start where rods with these points are. None of a plane on which all
-/// points have one foot.
+/// Lines \[L\] that show the surface of an obstacle at the start where rods with these points are. None of a plane on
+/// which all points have one foot.
 pub fn lines<'a>(obstacle: &Obstacle, points: impl Iterator<Item = &'a Vec3>) -> Vec<[Vec3; 2]> {
     match &obstacle.skeleton {
         Skeleton::Plane { point, normal } => grid(point, normal, points),
@@ -45,8 +46,8 @@ pub(in crate::io) fn placed_lines<'a>(
     lines(obstacle, points).into_iter().map(|ends| ends.map(|end| matrix * end + shift)).collect()
 }
 
-/// Unit vector to the side of an obstacle that rods are on, in the middle of one of its lines; zero of a plane, which is seen from
-/// both sides.
+/// Unit vector to the side of an obstacle that rods are on, in the middle of one of its lines; zero of a plane, which
+/// is seen from both sides.
 pub(in crate::io) fn normal(obstacle: &Obstacle, placement: &ObstaclePose, line: &[Vec3; 2]) -> Vec3 {
     if obstacle.is_plane() {
         return Vec3::zeros();

@@ -1,8 +1,8 @@
-//! A plot as PDF: a page on which plotters draws as on an SVG. Its text is outlines of the bundled font, so that it looks
-//! the same everywhere.
+//! A plot as PDF: a page on which plotters draws as on an SVG. Its text is outlines of the bundled font, so that it
+//! looks the same everywhere.
 //!
-//! `pdf-writer` writes the file. It is one crate more, because all that it needs is here already; `svg2pdf`, which takes the
-//! finished SVG, would bring 43 (docs/notes/build.md).
+//! `pdf-writer` writes the file. It is one crate more, because all that it needs is here already; `svg2pdf`, which
+//! takes the finished SVG, would bring 43 (docs/notes/build.md).
 
 use std::convert::Infallible;
 

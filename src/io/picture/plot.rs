@@ -88,12 +88,12 @@ const MAX_SIZE: u32 = 20_000;
 /// Largest end of an axis, because ticks of larger ones overflow.
 const FARTHEST: f64 = 1e300;
 
-/// Draws a plot, replacing what is there: as PDF if the file's name ends in `.pdf`, else as SVG, whose text is DejaVu Sans where
-/// the viewer has it, else the viewer's own sans-serif.
+/// Draws a plot, replacing what is there: as PDF if the file's name ends in `.pdf`, else as SVG, whose text is DejaVu
+/// Sans where the viewer has it, else the viewer's own sans-serif.
 ///
 /// # Errors
-/// [`InputError::Count`] for an illegal size, [`InputError::Inconsistent`] for a file of another kind, if no point can be drawn or an axis would have
-/// to reach beyond 1e300, [`InputError::Write`] if the file cannot be written.
+/// [`InputError::Count`] for an illegal size, [`InputError::Inconsistent`] for a file of another kind, if no point can
+/// be drawn or an axis would have to reach beyond 1e300, [`InputError::Write`] if the file cannot be written.
 pub fn plot_lines(path: &Path, plot: &PlotSpec) -> Result<(), InputError> {
     for (field, value) in [("size.0", plot.size.0), ("size.1", plot.size.1)] {
         if !(1..=MAX_SIZE).contains(&value) {

@@ -12,7 +12,8 @@ use crate::math::Vec3;
 const TURNING: f64 = 0.1;
 /// Largest turn of the stripe (rad) over one capsule.
 const TWISTING: f64 = 0.3;
-/// Largest step of the radius, in samples, between capsules of a tapered tube, because less than half a sample is invisible.
+/// Largest step of the radius, in samples, between capsules of a tapered tube, because less than half a sample is
+/// invisible.
 const TAPERING: f64 = 0.5;
 /// Points closer than this many radii to the previous one are left out where the tube hardly bends.
 const SPARSE: f64 = 0.4;

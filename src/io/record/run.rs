@@ -27,7 +27,8 @@ pub struct RodSnapshot {
     pub frames: Vec<Quat>,
     /// Fields at the nodes.
     pub fields: NodalFields,
-    /// Contact force per length at the nodes as it is shown, see [`smoothed_contact_forces`](crate::observe::smoothed_contact_forces) \[F/L\].
+    /// Contact force per length at the nodes as it is shown, see
+    /// [`smoothed_contact_forces`](crate::observe::smoothed_contact_forces) \[F/L\].
     pub smoothed_contact_force: Vec<Vec3>,
 }
 

@@ -24,7 +24,8 @@
 //! ```
 //!
 //! Draws are `uniform = [low, high]`, `normal = [mean, deviation]`, `whole = [low, high]` (whole numbers, both ends
-//! included), `choice = [...]` and `bases = N` (a word of N letters A, C, G, T). A draw depends on the seed, its key and its number only.
+//! included), `choice = [...]` and `bases = N` (a word of N letters A, C, G, T). A draw depends on the seed, its key
+//! and its number only.
 //!
 //! The folder of a sweep:
 //!

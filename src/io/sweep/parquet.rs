@@ -1,4 +1,5 @@
-//! Tables as Parquet: the only file that names the library for it. Columns are optional doubles, 64-bit integers or UTF-8.
+//! Tables as Parquet: the only file that names the library for it. Columns are optional doubles, 64-bit integers or
+//! UTF-8.
 
 use std::sync::Arc;
 

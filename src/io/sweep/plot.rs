@@ -25,8 +25,8 @@ pub struct PlotAxes {
     pub steps: bool,
 }
 
-/// Draws a column of a collected sweep over another as SVG or PDF. Where several rows of a curve have the same x, their mean is
-/// drawn; rows without one of the two values are passed over.
+/// Draws a column of a collected sweep over another as SVG or PDF. Where several rows of a curve have the same x, their
+/// mean is drawn; rows without one of the two values are passed over.
 ///
 /// # Errors
 /// [`InputError::Name`] for columns that are not there or hold words; too many curves; errors of drawing.

@@ -240,7 +240,8 @@ impl Columns {
             self.add(
                 &of_rod(model, rod, "knot"),
                 "",
-                "simplest knot with its polynomials (Alexander, Jones), to eight crossings; 0_1: none; a star: mirror image",
+                "simplest knot with its polynomials (Alexander, Jones), to eight crossings; 0_1: none; a star: mirror \
+                 image",
                 move |step| knot(step).map_or_else(String::new, |knot| knot.name).into(),
             );
             if model.rods.len() == 1 && model.rods[rod].closed {
@@ -289,8 +290,8 @@ impl Columns {
         })
     }
 
-    /// How far a run is: the value of the first quantity that stages ramp, and the name of its column. `stage + fraction`
-    /// where that is no number: poses, supports, nothing.
+    /// How far a run is: the value of the first quantity that stages ramp, and the name of its column. `stage +
+    /// fraction` where that is no number: poses, supports, nothing.
     pub fn progress(&self, step: &Observation) -> (&str, f64) {
         let ramped = self.ramped.map(|index| &self.all[index]);
         match ramped.map(|of| (&of.column, (of.value)(step))) {
@@ -318,7 +319,8 @@ fn of_rod(model: &Model, rod: usize, name: &str) -> String {
     }
 }
 
-/// A number without the rounding of the steps that led to it: the third step of 0.1 is at 0.3, not at 0.30000000000000004.
+/// A number without the rounding of the steps that led to it: the third step of 0.1 is at 0.3, not at
+/// 0.30000000000000004.
 fn rounded(value: f64) -> f64 {
     format!("{value:.12e}").parse().unwrap_or(value)
 }

@@ -47,8 +47,8 @@ impl ResultantsOf<'_> {
     }
 }
 
-/// Writes internal forces and moments at the nodes, in the frame of each node: what the rod beyond the node exerts on the
-/// rod before it. Units and meanings are in `resultants_columns.csv`.
+/// Writes internal forces and moments at the nodes, in the frame of each node: what the rod beyond the node exerts on
+/// the rod before it. Units and meanings are in `resultants_columns.csv`.
 ///
 /// # Errors
 /// [`InputError::Write`] if the file cannot be written.

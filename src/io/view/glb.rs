@@ -48,8 +48,8 @@ impl Default for GlbOptions {
 }
 
 impl Film {
-    /// The film as a binary glTF file (`.glb`): tubes with the material stripe, or lines where more than 600 000 vertices
-    /// would be needed, and one animation that steps through the frames.
+    /// The film as a binary glTF file (`.glb`): tubes with the material stripe, or lines where more than 600 000
+    /// vertices would be needed, and one animation that steps through the frames.
     ///
     /// The vertices are in the film's own length unit, about the middle of the last frame; the root node rotates the
     /// widest direction to the right and scales that frame to about two metres.

@@ -97,8 +97,8 @@ pub(super) fn solid(nodes: &[Node], look: &MeshStyle) -> Vec<[Vec3; 3]> {
     corners.filter(has_area).map(|triangle| triangle.map(|vertex| mesh.positions[vertex])).collect()
 }
 
-/// Sections of a closed tube whose last ring is the first one: the angle by which the stripe misses itself is spread evenly
-/// along the tube.
+/// Sections of a closed tube whose last ring is the first one: the angle by which the stripe misses itself is spread
+/// evenly along the tube.
 fn meeting(mut sections: Vec<Node>) -> Vec<Node> {
     let (Some(first), Some(last)) = (sections.first().copied(), sections.last().copied()) else { return sections };
     let missed = first.tangent.dot(&last.stripe.cross(&first.stripe)).atan2(last.stripe.dot(&first.stripe));

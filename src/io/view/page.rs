@@ -127,7 +127,8 @@ impl Film {
         };
         let place = |k: usize| k as f64 / (COLORS - 1) as f64;
         let colors: Vec<[u8; 3]> = (0..COLORS).map(|k| quantity.palette().color(place(k))).collect();
-        json!({ "name": quantity.name(), "label": label, "unit": unit, "range": self.range(quantity), "colors": colors })
+        let range = self.range(quantity);
+        json!({ "name": quantity.name(), "label": label, "unit": unit, "range": range, "colors": colors })
     }
 }
 

@@ -137,7 +137,8 @@ fn in_order(data: Vec<VtkData>, count: usize) -> Vec<VtkData> {
     rods
 }
 
-/// A rod with at most `share` of its nodes, drawn with `radius` if its file has none, and the distance from the line drawn within which nodes were left out.
+/// A rod with at most `share` of its nodes, drawn with `radius` if its file has none, and the distance from the line
+/// drawn within which nodes were left out.
 fn thinned(data: VtkData, share: f64, radius: f64) -> (FrameRod, f64) {
     let one = vec![radius];
     let radii = data.scalars.get("radius").filter(|radii| !radii.is_empty()).unwrap_or(&one);
@@ -195,7 +196,8 @@ fn note(frames: &[Frame], steps: usize, nodes: usize, tolerance: f64, units: &Un
         let tolerance =
             if (1e-3..1e4).contains(&tolerance) { format!("{tolerance:.4}") } else { format!("{tolerance:.2e}") };
         notes.push(format!(
-            "{most} of {nodes} nodes are shown; those left out lie within {tolerance} {unit} of the line through the others."
+            "{most} of {nodes} nodes are shown; those left out lie within {tolerance} {unit} of the line through the \
+             others."
         ));
     }
     notes.join(" ")
@@ -204,8 +206,8 @@ fn note(frames: &[Frame], steps: usize, nodes: usize, tolerance: f64, units: &Un
 /// Columns of `table.csv` that tell a reader of the page nothing beside the others.
 const NOT_SHOWN: [&str; 6] =
     ["stage", "fraction", "penetration", "contact_resultants", "iterations_on_other_meshes", "seconds"];
-/// What is plotted, by the endings of the columns' names, each group in a plot of its own: what DNA, tweezers, cables and
-/// beams are looked at for.
+/// What is plotted, by the endings of the columns' names, each group in a plot of its own: what DNA, tweezers, cables
+/// and beams are looked at for.
 const PLOTS: [&[&str]; 6] = [
     &["writhe", "twist"],
     &["extension"],
@@ -217,8 +219,8 @@ const PLOTS: [&[&str]; 6] = [
 /// Most plots beside the table.
 const MOST_PLOTS: usize = 5;
 
-/// The numbers of `table.csv` that change from step to step (of a single step, those that are not zero), and plots of them
-/// against what the last stage changes.
+/// The numbers of `table.csv` that change from step to step (of a single step, those that are not zero), and plots of
+/// them against what the last stage changes.
 fn table(dir: &Path) -> Result<(FilmTable, Vec<Plot>), InputError> {
     let run = RunTable::read(dir)?;
     let is_told = |name: &str, values: &[f64]| match values {

@@ -13,8 +13,8 @@ const SIDES: usize = 24;
 const HEADER: usize = 80;
 
 impl Film {
-    /// The tubes of the last frame as binary STL: one closed surface per rod, in the film's own length unit and position.
-    /// Tubes in contact are not merged; planes are not among them.
+    /// The tubes of the last frame as binary STL: one closed surface per rod, in the film's own length unit and
+    /// position. Tubes in contact are not merged; planes are not among them.
     ///
     /// # Errors
     /// [`InputError`] naming the field if the film has no frame, a count, radius or number cannot be used, or there are

@@ -48,8 +48,8 @@ fn unit(direction: &[f64; 3]) -> Vec3 {
     Vec3::from(*direction).normalize()
 }
 
-/// Writhe (turns) from the crossings seen along the first viewing direction that shows them clearly. Of an open polygon, if
-/// its first and its last edge are parallel and none crosses them beyond their ends.
+/// Writhe (turns) from the crossings seen along the first viewing direction that shows them clearly. Of an open
+/// polygon, if its first and its last edge are parallel and none crosses them beyond their ends.
 fn writhe_along(points: &[Vec3], closed: bool, mut directions: impl Iterator<Item = Vec3>) -> Option<f64> {
     let num = points.len();
     let folds_back = |i: usize| {
@@ -173,12 +173,13 @@ struct Grid {
     per_length: f64,
 }
 
-/// Width by which an edge is thicker than it is, over a cell, so that edges that cross on the border of two cells share one.
+/// Width by which an edge is thicker than it is, over a cell, so that edges that cross on the border of two cells share
+/// one.
 const MARGIN: f64 = 1e-6;
 
 impl Grid {
-    /// Cells as wide as the edges on the average: an edge touches a few more of them than its length over theirs, so all
-    /// edges together touch a few times their number, even if some are as long as the whole.
+    /// Cells as wide as the edges on the average: an edge touches a few more of them than its length over theirs, so
+    /// all edges together touch a few times their number, even if some are as long as the whole.
     fn new(edges: &[Edge]) -> Self {
         let (mut low, mut total) = ([f64::MAX; 2], 0.0);
         for [a, b] in edges {
@@ -256,8 +257,8 @@ mod tests {
     use super::*;
     use crate::math::random::Random;
 
-    /// Edges a thousandth of the whole beside some as long as the whole, lattice directions among them: all pairs by the
-    /// grid and one by one.
+    /// Edges a thousandth of the whole beside some as long as the whole, lattice directions among them: all pairs by
+    /// the grid and one by one.
     #[test]
     fn the_grid_misses_no_crossing() {
         let mut random = Random(3);

@@ -63,7 +63,8 @@ struct Invariants {
 ///
 /// ```
 /// use supercoil::math::{Vec3, link::knot_type};
-/// let trefoil = |t: f64| Vec3::new((2.0 + (3.0 * t).cos()) * (2.0 * t).cos(), (2.0 + (3.0 * t).cos()) * (2.0 * t).sin(), (3.0 * t).sin());
+/// let radius = |t: f64| 2.0 + (3.0 * t).cos();
+/// let trefoil = |t: f64| Vec3::new(radius(t) * (2.0 * t).cos(), radius(t) * (2.0 * t).sin(), (3.0 * t).sin());
 /// let points: Vec<Vec3> = (0..100).map(|k| trefoil(std::f64::consts::TAU * k as f64 / 100.0)).collect();
 /// let mirrored: Vec<Vec3> = points.iter().map(|p| Vec3::new(p.x, p.y, -p.z)).collect();
 /// assert_eq!([&points, &mirrored].map(|points| knot_type(points).unwrap().name), ["3_1*", "3_1"]);
@@ -85,7 +86,8 @@ fn invariants(points: &[Vec3]) -> Option<Invariants> {
 ///
 /// ```
 /// use supercoil::math::{Vec3, link::alexander};
-/// let trefoil = |t: f64| Vec3::new((2.0 + (3.0 * t).cos()) * (2.0 * t).cos(), (2.0 + (3.0 * t).cos()) * (2.0 * t).sin(), (3.0 * t).sin());
+/// let radius = |t: f64| 2.0 + (3.0 * t).cos();
+/// let trefoil = |t: f64| Vec3::new(radius(t) * (2.0 * t).cos(), radius(t) * (2.0 * t).sin(), (3.0 * t).sin());
 /// let points: Vec<Vec3> = (0..100).map(|k| trefoil(std::f64::consts::TAU * k as f64 / 100.0)).collect();
 /// assert!((alexander(&points).unwrap().determinant - 3.0).abs() < 1e-9);
 /// ```

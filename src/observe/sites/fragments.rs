@@ -8,8 +8,8 @@
 //! have ripples of 1e-9 m, and their layer is pressed in by 1e-11 m. Such fragments lie up to an element apart. Two
 //! points may, too, but not three in a row: a row is one site.
 //!
-//! A strong point force bends its element as the element cannot, and the strands touch once more beside it. Such a ripple is
-//! part of the stronger contact.
+//! A strong point force bends its element as the element cannot, and the strands touch once more beside it. Such a
+//! ripple is part of the stronger contact.
 
 use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
@@ -41,8 +41,8 @@ struct ContactView {
     length: f64,
 }
 
-/// Whether two contacts have similar mean pressures, over their own lengths or over this one \[L\] where they are shorter:
-/// pressure that gathers within a length is known over that length only.
+/// Whether two contacts have similar mean pressures, over their own lengths or over this one \[L\] where they are
+/// shorter: pressure that gathers within a length is known over that length only.
 fn is_alike(x: &ContactView, y: &ContactView, length: f64) -> bool {
     [0.0, length].into_iter().any(|least| {
         let [x, y] = [x, y].map(|view| view.force / view.length.max(least).max(f64::MIN_POSITIVE));
@@ -50,8 +50,9 @@ fn is_alike(x: &ContactView, y: &ContactView, length: f64) -> bool {
     })
 }
 
-/// Whether the weaker of two contacts is a ripple beside the stronger one: shorter than half an element, and far weaker. A
-/// point force within an element bends it in a way that the element does not have; it touches once more beside the point.
+/// Whether the weaker of two contacts is a ripple beside the stronger one: shorter than half an element, and far
+/// weaker. A point force within an element bends it in a way that the element does not have; it touches once more
+/// beside the point.
 fn is_ripple(x: &ContactView, y: &ContactView, element: f64) -> bool {
     let (weak, strong) = if x.force < y.force { (x, y) } else { (y, x) };
     weak.length < 0.5 * element && ALIKE * weak.force < strong.force
@@ -75,8 +76,8 @@ pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, l
     merged(&groups, &with_the_strongest(zones, &groups, &next), 1)
 }
 
-/// Of the neighbours of each group only the strongest, if it is stronger: a ripple between a point and a line does not join
-/// them.
+/// Of the neighbours of each group only the strongest, if it is stronger: a ripple between a point and a line does not
+/// join them.
 fn with_the_strongest(zones: &[SiteZone], groups: &[Members], next: &[Members]) -> Vec<Members> {
     let force = |group: usize| groups[group].iter().map(|&(zone, _)| zones[zone].load.force).sum::<f64>();
     let mut chosen: Vec<Members> = vec![Vec::new(); groups.len()];
@@ -111,8 +112,8 @@ fn merged(groups: &[Members], next: &[Members], least: usize) -> Vec<Members> {
     all
 }
 
-/// For each group those that are one with it, no further apart than `reach` of their curves \[L\], and whether they see the
-/// two strands the other way round.
+/// For each group those that are one with it, no further apart than `reach` of their curves \[L\], and whether they see
+/// the two strands the other way round.
 fn neighbours(
     set: &CurveSet,
     zones: &[SiteZone],

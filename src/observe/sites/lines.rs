@@ -2,8 +2,8 @@
 //!
 //! The contact law spreads pressure over a width (B/κ)^¼; faster variations along a line, and those from element to
 //! element, are due to the mesh. So the force of each piece of a zone is distributed over the samples within that width
-//! or half an element, with weights of sum 1: the curve is smooth, and its integral is the force of the site to rounding.
-//! The forces on nodes are spread in the same way where they are shown ([`spread`]).
+//! or half an element, with weights of sum 1: the curve is smooth, and its integral is the force of the site to
+//! rounding. The forces on nodes are spread in the same way where they are shown ([`spread`]).
 
 use crate::contact::arc::near;
 use crate::contact::curve::CurveSet;
@@ -87,8 +87,8 @@ fn along(place: f64, start: f64, period: Option<f64>) -> f64 {
 }
 
 /// Density of a unit force at `middle` that is spread over samples with a Gaussian of this width, both counted in
-/// samples; `shares` are the lengths \[L\] that samples stand for, and Σ density × share is 1. Past the ends of a closed
-/// curve samples are counted on.
+/// samples; `shares` are the lengths \[L\] that samples stand for, and Σ density × share is 1. Past the ends of a
+/// closed curve samples are counted on.
 pub(in crate::observe) fn spread(middle: f64, width: f64, shares: &[f64], closed: bool) -> Vec<(usize, f64)> {
     let count = shares.len() as isize;
     let reach = if closed { (REACH * width).min(0.5 * (shares.len() - 1) as f64) } else { REACH * width };
@@ -100,7 +100,8 @@ pub(in crate::observe) fn spread(middle: f64, width: f64, shares: &[f64], closed
     range.map(|k| (place(k), weight(k) / sum)).collect()
 }
 
-/// Arc lengths from the starts, pressure and gap at evenly spaced samples of a line; ∫pressure is the sum of the forces.
+/// Arc lengths from the starts, pressure and gap at evenly spaced samples of a line; ∫pressure is the sum of the
+/// forces.
 pub(super) fn smoothed(mut sources: Vec<Source>, length: f64, width: f64) -> Vec<([f64; 2], f64, f64)> {
     sources.sort_by(|x, y| x.arcs[0].total_cmp(&y.arcs[0]));
     if sources.is_empty() || !(length > 0.0 && width > 0.0) {

@@ -1,10 +1,10 @@
 //! Pieces of farthest points, which the potential subtracts, as parts of zones.
 //!
-//! Where a strand is bent more tightly than within the contact distance, a point near its centre of curvature has two nearest
-//! points on it and a farthest one between them. The two and the one subtracted push together as one strand does. So the zones
-//! on either side of a subtracted piece, whose feet are the next ones along the strand, are a fold: one contact, which reaches
-//! from one to the other. Left out, a rod kinked by a point force (shear F/GA) had its force reported twice; in shares of two
-//! sites, tight knots had forces at arcs of neither of them.
+//! Where a strand is bent more tightly than within the contact distance, a point near its centre of curvature has two
+//! nearest points on it and a farthest one between them. The two and the one subtracted push together as one strand
+//! does. So the zones on either side of a subtracted piece, whose feet are the next ones along the strand, are a fold:
+//! one contact, which reaches from one to the other. Left out, a rod kinked by a point force (shear F/GA) had its force
+//! reported twice; in shares of two sites, tight knots had forces at arcs of neither of them.
 
 use super::{CARRIES, Composed, SiteZone, class, piece};
 use crate::contact::arc::{apart, near};
@@ -37,8 +37,9 @@ impl Composed {
     }
 }
 
-/// The zones with the next feet before and after those of a piece; one of them where there is no other. A farthest point is
-/// pressed less than the nearest ones beside it, so a zone that carries less than the piece is not beside it, however near.
+/// The zones with the next feet before and after those of a piece; one of them where there is no other. A farthest
+/// point is pressed less than the nearest ones beside it, so a zone that carries less than the piece is not beside it,
+/// however near.
 fn beside(set: &CurveSet, zones: &[SiteZone], piece: &SiteZone) -> Vec<usize> {
     let [own, other] = [piece.curve_a, piece.curve_b].map(|curve| set.period(curve));
     let middle = |arc: [f64; 2]| 0.5 * (arc[0] + arc[1]);

@@ -181,8 +181,8 @@ fn counterparts_are_those_of_brute_force() {
     }
 }
 
-/// A straight rod and one that touches it `crests` times, once in each length 2, at z = 0 and 1 − 5e-5. `turned` has the
-/// second run backwards.
+/// A straight rod and one that touches it `crests` times, once in each length 2, at z = 0 and 1 − 5e-5. `turned` has
+/// the second run backwards.
 fn rippled(crests: usize, turned: bool, swapped: bool) -> CurveSet {
     let length = 2 * crests;
     let a: Vec<Vec3> = (0..=length).map(|k| Vec3::x() * (k as f64 - 0.3)).collect();
@@ -223,9 +223,9 @@ fn a_ripple_beside_a_point_is_part_of_it() {
     );
 }
 
-/// Contacts in a row, one an element, are one line; two are points, and so are rows wider than the elements. Whatever the
-/// sites, their forces add up to the same, also if a strand runs the other way or the strands are swapped; the pressure
-/// along the line is even and adds up to its force.
+/// Contacts in a row, one an element, are one line; two are points, and so are rows wider than the elements. Whatever
+/// the sites, their forces add up to the same, also if a strand runs the other way or the strands are swapped; the
+/// pressure along the line is even and adds up to its force.
 #[test]
 fn a_row_of_contacts_is_a_line() {
     for (turned, swapped) in [(false, false), (true, false), (false, true), (true, true)] {

@@ -194,8 +194,8 @@ fn without_contact_balance_is_sharp() {
     assert_eq!(broken, ["balance of nodes", "balance of bodies"]);
 }
 
-/// Without contact strands may pass through each other, and a knot may slip off an open rod: that is noted, and no check
-/// fails.
+/// Without contact strands may pass through each other, and a knot may slip off an open rod: that is noted, and no
+/// check fails.
 #[test]
 fn what_nothing_hinders_is_noted() {
     let (mut model, stages) = scene();
@@ -224,8 +224,8 @@ fn what_nothing_hinders_is_noted() {
     assert!(notes[1].contains("\"lower\" is 3_1, not 0_1 as given"), "{notes:?}");
 }
 
-/// A clamped rod whose bead lies on another one: what the strand is reported to bear acts on the rod of the bead, about its node,
-/// and no strand may be in the bead.
+/// A clamped rod whose bead lies on another one: what the strand is reported to bear acts on the rod of the bead, about
+/// its node, and no strand may be in the bead.
 #[test]
 fn what_a_bead_bears_is_balanced_and_its_gap_is_kept() {
     let rods =

@@ -319,7 +319,8 @@ fn check_angle(angle: f64) -> Result<(), InputError> {
 
 fn too_short(length: f64, distance: f64) -> InputError {
     let reason = format!(
-        "the rod (length {length}) is too short for a plectoneme of strands {distance} apart: its two end loops alone take all of it"
+        "the rod (length {length}) is too short for a plectoneme of strands {distance} apart: its two end loops alone \
+         take all of it"
     );
     InputError::Inconsistent { field: "shape".into(), reason }
 }

@@ -154,7 +154,8 @@ impl Spline {
 fn cusp(piece: usize) -> InputError {
     let next = piece + 1;
     let reason = format!(
-        "the curve through the points turns back on itself in a cusp between points {piece} and {next}: move points, or add some"
+        "the curve through the points turns back on itself in a cusp between points {piece} and {next}: move points, \
+         or add some"
     );
     InputError::Inconsistent { field: "shape.points".into(), reason }
 }

@@ -1,4 +1,5 @@
-//! What is said to the author of a scene file: the reference of its keys, scenes to begin with, errors in its words, advice.
+//! What is said to the author of a scene file: the reference of its keys, scenes to begin with, errors in its words,
+//! advice.
 
 pub(super) mod advice;
 mod entry;

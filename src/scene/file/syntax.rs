@@ -1,8 +1,8 @@
 //! What a scene file may say: one struct per table; unknown keys are refused. `build` gives the meaning.
 //!
 //! Doc comments and attributes of the fields are the reference of keys (`supercoil help scene`), its page and the JSON
-//! Schema: a comment is the meaning, `x-unit` the unit, a bound or `x-allowed` the range, serde's default or `x-default`
-//! the default, `x-value` the form of a value where its type does not tell.
+//! Schema: a comment is the meaning, `x-unit` the unit, a bound or `x-allowed` the range, serde's default or
+//! `x-default` the default, `x-value` the form of a value where its type does not tell.
 
 #[cfg(feature = "sweeps")]
 pub(super) mod canonical;
@@ -44,8 +44,8 @@ pub(super) struct SceneText {
     /// Whether all rods lie in a plane of constant z, and stay there.
     #[serde(default)]
     pub planar: bool,
-    /// Temperature at which energies are also given in kT, where units are nm and pN. Stiffnesses of `dna` and `sequence` are
-    /// those at 298 K, where kT is 4.114 pN nm.
+    /// Temperature at which energies are also given in kT, where units are nm and pN. Stiffnesses of `dna` and
+    /// `sequence` are those at 298 K, where kT is 4.114 pN nm.
     #[schemars(extend("x-unit" = "K", "exclusiveMinimum" = 0, "x-allowed" = "units nm and pN", "x-default" = "298"))]
     pub temperature: Option<f64>,
     /// Accuracy preset: sets elements, contact law and tolerances that are not given.
@@ -66,7 +66,8 @@ pub(super) struct SceneText {
     /// Dead forces and moments per length.
     #[serde(default, deserialize_with = "tables")]
     pub line_loads: Vec<LineLoadText>,
-    /// Acceleration that gives rods a weight; their `density`, `mass` or `weight` says how much. The weight is a line load.
+    /// Acceleration that gives rods a weight; their `density`, `mass` or `weight` says how much. The weight is a line
+    /// load.
     #[schemars(extend("x-unit" = "F/(unit of mass)", "x-allowed" = "not zero", "x-default" = "none"))]
     pub gravity: Option<List<f64, 3>>,
     /// Factor on all loads at the start, from which stages ramp it.
@@ -114,8 +115,8 @@ pub(super) struct SupportText {
     /// Axes about which its rotation is held; one alone is a joint of constant velocity.
     #[serde(default)]
     pub rotation: FixedAxes,
-    /// Rigid capsule as thick as the rod that prolongs its end outwards along d3 and moves with the node. It takes part in
-    /// contact, so that no loop and no knot slips over the end.
+    /// Rigid capsule as thick as the rod that prolongs its end outwards along d3 and moves with the node. It takes part
+    /// in contact, so that no loop and no knot slips over the end.
     #[serde(default)]
     #[schemars(extend("x-unit" = "L", "x-allowed" = "an end of an open rod that takes part in contact; not in stages"))]
     pub grip: GripText,
@@ -135,8 +136,10 @@ pub(super) struct JointText {
     /// What the nodes share besides their position: all rotation, none, or all but that about `axis`.
     #[serde(default)]
     pub kind: JointWord,
-    /// Axis of a hinge, in space, by the initial shapes; it turns with both rods. Hinges that meet at one point share one axis.
-    #[schemars(extend("x-allowed" = "`kind = \"hinge\"`; not zero; along z in a planar scene", "x-default" = "needed for a hinge"))]
+    /// Axis of a hinge, in space, by the initial shapes; it turns with both rods. Hinges that meet at one point share
+    /// one axis.
+    #[schemars(extend("x-allowed" = "`kind = \"hinge\"`; not zero; along z in a planar scene",
+        "x-default" = "needed for a hinge"))]
     pub axis: Option<List<f64, 3>>,
 }
 
@@ -228,8 +231,8 @@ pub(super) enum SideOfObstacle {
     Inside,
 }
 
-/// A rigid body without friction, under the law of `[contact]`: a post, a pulley, a ball that rods stay outside of; a tube, a
-/// cavity that they stay inside. A cylinder has no ends.
+/// A rigid body without friction, under the law of `[contact]`: a post, a pulley, a ball that rods stay outside of; a
+/// tube, a cavity that they stay inside. A cylinder has no ends.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ObstacleText {
@@ -244,10 +247,12 @@ pub(super) struct ObstacleText {
     #[schemars(extend("x-unit" = "L"))]
     pub point: List<f64, 3>,
     /// Direction of a cylinder.
-    #[schemars(extend("x-allowed" = "not zero; along z, or in the x-y plane of the rods, in planar scenes", "x-default" = "needed for a cylinder"))]
+    #[schemars(extend("x-allowed" = "not zero; along z, or in the x-y plane of the rods, in planar scenes",
+        "x-default" = "needed for a cylinder"))]
     pub axis: Option<List<f64, 3>>,
     /// Radius.
-    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "more than the contact radii of rods inside"))]
+    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0,
+        "x-allowed" = "more than the contact radii of rods inside"))]
     pub radius: f64,
     /// Where rods are.
     #[serde(default)]
@@ -302,7 +307,8 @@ pub(super) struct ContactText {
 pub(super) struct ElectrostaticsText {
     /// Monovalent salt; gives A and λ. Rods with `dna` then have the bare contact diameter, 2 nm.
     #[serde(rename = "salt_mM")]
-    #[schemars(extend("x-unit" = "mmol/l", "minimum" = 10, "maximum" = 1000, "x-allowed" = "units nm and pN", "x-default" = "needed without `strength`"))]
+    #[schemars(extend("x-unit" = "mmol/l", "minimum" = 10, "maximum" = 1000, "x-allowed" = "units nm and pN",
+        "x-default" = "needed without `strength`"))]
     pub salt: Option<f64>,
     /// Charge of the line: as effective diameters have it, or condensed by Manning's rule on a cylinder of 1 nm, see
     /// `dna::salt` in the library.

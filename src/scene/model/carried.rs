@@ -11,8 +11,8 @@ use crate::math::{Mat3, Vec3};
 
 use super::{Model, Obstacle};
 
-/// Sums of forces and moments below this, over the sum of their sizes, count as rounding; deviations of forces from those
-/// that normals balance, too.
+/// Sums of forces and moments below this, over the sum of their sizes, count as rounding; deviations of forces from
+/// those that normals balance, too.
 const ROUNDING: f64 = 1e-9;
 /// Eigenvalues of the support constraints below this (of 1) leave a rigid motion free.
 const TOL_RANK: f64 = 1e-9;
@@ -45,8 +45,8 @@ impl Model {
         if let Some(way) = self.way_down(&body, factor).filter(|_| !may_be_caught) {
             let [x, y, z] = way.map(|x| (x * 1e3).round() / 1e3 + 0.0).into(); // + 0.0 turns −0 into 0
             return refuse(format!(
-                "{} acts on it, and nothing holds it against the sum of its dead forces, along ({x}, {y}, {z}): it would \
-                 fall for ever; add a support with position, or a plane that faces this sum",
+                "{} acts on it, and nothing holds it against the sum of its dead forces, along ({x}, {y}, {z}): it \
+                 would fall for ever; add a support with position, or a plane that faces this sum",
                 self.load_on(&body)
             ));
         }
@@ -54,8 +54,8 @@ impl Model {
         let part = self.rigidly_joined_rods(rod);
         if let Some(axis) = self.free_axis(&body, &loads).or_else(|| self.free_axis(&part, &self.dead_loads(&part))) {
             return refuse(format!(
-                "{} turns it about the axis ({}, {}, {}), about which its supports and joints leave it free to turn and no force \
-                 could stop it: add a support that holds it",
+                "{} turns it about the axis ({}, {}, {}), about which its supports and joints leave it free to turn \
+                 and no force could stop it: add a support that holds it",
                 self.load_on(&body),
                 axis.x,
                 axis.y,
@@ -87,9 +87,9 @@ impl Model {
         }
     }
 
-    /// Direction of the sum of forces along axes in which nothing holds the body, if planes do not carry it: minus this part is
-    /// a sum of their normals along these axes, none of which counts negative, or else a motion away from all planes exists that the
-    /// forces do work on (Farkas). Three normals are enough (Carathéodory).
+    /// Direction of the sum of forces along axes in which nothing holds the body, if planes do not carry it: minus this
+    /// part is a sum of their normals along these axes, none of which counts negative, or else a motion away from all
+    /// planes exists that the forces do work on (Farkas). Three normals are enough (Carathéodory).
     pub(crate) fn way_down(&self, body: &[usize], factor: f64) -> Option<Vec3> {
         let loads = self.dead_loads(body);
         let mut held = [false, false, self.planar];

@@ -19,8 +19,8 @@ const MOST_ROUND: f64 = 1e5;
 /// are many; above it all pairs are within range.
 const LEAST_DEBYE: f64 = 0.01;
 const MOST_DEBYE: f64 = 100.0;
-/// Most pieces of a segment of charged rods, because a pair of segments sums over nine times the square of them: 6 ms a pair
-/// at this number.
+/// Most pieces of a segment of charged rods, because a pair of segments sums over nine times the square of them: 6 ms a
+/// pair at this number.
 const MOST_PIECES: f64 = 256.0;
 /// Largest distance of joined nodes, over the length of the longer rod.
 const TOL_JOINT: f64 = 1e-9;
@@ -34,10 +34,10 @@ impl Model {
     /// No rods; a rod that fails [`Rod::check`]; references to rods or nodes that do not exist; numbers that are not
     /// finite; an illegal contact choice; joints of nodes that do not coincide, of a node with itself or another of its
     /// element, or of two charged rods; dead loads that do unbounded work on a rod, with those it is
-    /// joined to: forces whose sum has a component along an axis in which no support holds it, if no planes carry it, moments about an
-    /// axis that its supports leave free; a plane whose normal is not of length 1; an axis that is zero; a
-    /// radius that is not positive, or too small for the rods inside; an obstacle which a rod starts beyond;
-    /// a planar model that is not planar: rods not in one plane z = const, anisotropic sections not aligned with it,
+    /// joined to: forces whose sum has a component along an axis in which no support holds it, if no planes carry it,
+    /// moments about an axis that its supports leave free; a plane whose normal is not of length 1; an axis that is
+    /// zero; a radius that is not positive, or too small for the rods inside; an obstacle which a rod starts beyond; a
+    /// planar model that is not planar: rods not in one plane z = const, anisotropic sections not aligned with it,
     /// natural curvature or loads out of it.
     pub fn check(&self) -> Result<(), InputError> {
         if self.rods.is_empty() {
@@ -77,12 +77,12 @@ impl Model {
     /// Refuses stages that this model cannot follow.
     ///
     /// # Errors
-    /// All that [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of neither ramps nor changes of supports;
-    /// two ramps of one quantity in a stage;
-    /// targets that are not finite; the excess link of an open rod or in a planar model; a rotation of a node whose
-    /// rotation no support fixes, a displacement, or a way round an axis, along a component no support fixes; a pose of a
-    /// node that is not clamped; turns of hinged nodes; an obstacle that there is not, or a radius that no rod fits in; a load factor without loads, or one
-    /// that lifts a rod off the planes that carry it; pressure on anything but a closed rod of a planar model.
+    /// All that [`Model::check`] refuses; a stage of no steps, of more than 10⁹, or of neither ramps nor changes of
+    /// supports; two ramps of one quantity in a stage; targets that are not finite; the excess link of an open rod or
+    /// in a planar model; a rotation of a node whose rotation no support fixes, a displacement, or a way round an axis,
+    /// along a component no support fixes; a pose of a node that is not clamped; turns of hinged nodes; an obstacle
+    /// that there is not, or a radius that no rod fits in; a load factor without loads, or one that lifts a rod off the
+    /// planes that carry it; pressure on anything but a closed rod of a planar model.
     pub fn check_stages(&self, stages: &[Stage]) -> Result<(), InputError> {
         // the checks of ramps assume a sound model
         self.check()?;
@@ -96,8 +96,8 @@ impl Model {
                 return Err(InputError::Count { field, value: stage.steps, allowed });
             }
             if stage.ramps.is_empty() && stage.supports.is_empty() {
-                let reason = "nothing to do: ramp at least one of excess_link, link, sigma, rotation, displacement, pose, load, pressure, plane, obstacle, \
-                     section, length, natural, or hold or release something";
+                let reason = "nothing to do: ramp at least one of excess_link, link, sigma, rotation, displacement, \
+                    pose, load, pressure, plane, obstacle, section, length, natural, or hold or release something";
                 return Err(InputError::inconsistent(format!("stages[{i}].ramp"), reason));
             }
             if !stage.supports.is_empty() {
@@ -134,8 +134,8 @@ impl Model {
             }
             let held = |rotation: [bool; 3]| rotation.iter().filter(|held| **held).count();
             if !self.planar && held(after.1) == 1 && after.1 != before.1 {
-                let reason = "leaves rotation about one axis held, a joint of constant velocity, which is only for whole runs: \
-                              hold all rotations or none, or two";
+                let reason = "leaves rotation about one axis held, a joint of constant velocity, which is only for \
+                    whole runs: hold all rotations or none, or two";
                 return Err(InputError::inconsistent(&field, reason));
             }
             self.check_supports_at_hinges(&field, support.node)?;
@@ -408,7 +408,8 @@ impl Model {
         Ok(())
     }
 
-    /// Refuses axes that are none, hinges about several axes at one point, and supports there that hold some rotations only.
+    /// Refuses axes that are none, hinges about several axes at one point, and supports there that hold some rotations
+    /// only.
     fn check_hinges(&self) -> Result<(), InputError> {
         let axis = |joint: &Joint| if let JointKind::Hinge { axis } = joint.kind { Some(axis) } else { None };
         for (i, joint) in self.joints.iter().enumerate() {
@@ -419,8 +420,8 @@ impl Model {
             let is_here = |other: &&Joint| here.contains(&other.a);
             let is_apart = |other: Vec3| unit(&other).cross(&unit(&own)).norm() > TOL_AXIS;
             if self.joints[..i].iter().filter(is_here).filter_map(axis).any(is_apart) {
-                let reason = "is not parallel to that of another hinge at this point: hinges that meet at one point share one \
-                              axis; put them at different nodes";
+                let reason = "is not parallel to that of another hinge at this point: hinges that meet at one point \
+                    share one axis; put them at different nodes";
                 return Err(InputError::inconsistent(format!("{field}.axis"), reason));
             }
             here.iter().try_for_each(|node| self.check_supports_at_hinges(&field, *node))?;
@@ -461,8 +462,8 @@ impl Model {
             .try_for_each(|rod| self.check_pieces("electrostatics.debye_length", rod, rod.spacing(), radius))
     }
 
-    /// Refuses charged rods whose nodes are so far apart, against the Debye length and the smallest contact radius, that the
-    /// sum over points of a pair of segments would not end.
+    /// Refuses charged rods whose nodes are so far apart, against the Debye length and the smallest contact radius,
+    /// that the sum over points of a pair of segments would not end.
     fn check_pieces(&self, field: &str, rod: &Rod, spacing: f64, least_radius: f64) -> Result<(), InputError> {
         let Some(charges) = self.electrostatics else { return Ok(()) };
         let (pieces, debye_length) = ((spacing / charges.piece(least_radius)).ceil(), charges.debye_length);
@@ -472,7 +473,8 @@ impl Model {
         let needed = (rod.num_elements as f64 * pieces / MOST_PIECES).ceil();
         let reason = format!(
             "rod \"{}\" has nodes {spacing:.4} apart, which a Debye length of {debye_length} and a contact radius of \
-             {least_radius} divide into {pieces} pieces, at most {MOST_PIECES} are summed over: {needed} elements would do",
+             {least_radius} divide into {pieces} pieces, at most {MOST_PIECES} are summed over: {needed} elements \
+             would do",
             rod.name
         );
         Err(InputError::inconsistent(field, reason))

@@ -1,16 +1,16 @@
 //! Where rods that are joined overlap: contact is left out between their segments near the joint.
 //!
-//! Strands that leave a joint at an angle α are s sin α apart at arc s, so they overlap up to (ε_a + ε_b)/sin α, and no bending
-//! of theirs, only their angle, says how far. What is within that distance at the start is left out. From [`CLEAR`] times the sum
-//! of the radii on contact acts: rods that a rigid joint holds can touch there only by bending, those that turn about a pin or a hinge
-//! stop at sin α = 1/[`CLEAR`].
+//! Strands that leave a joint at an angle α are s sin α apart at arc s, so they overlap up to (ε_a + ε_b)/sin α, and no
+//! bending of theirs, only their angle, says how far. What is within that distance at the start is left out. From
+//! [`CLEAR`] times the sum of the radii on contact acts: rods that a rigid joint holds can touch there only by bending,
+//! those that turn about a pin or a hinge stop at sin α = 1/[`CLEAR`].
 
 use super::{Model, NodeRef};
 use crate::math::Vec3;
 use crate::rod::Rod;
 
-/// Distance of two strands over the sum of their contact radii from which contact acts, because at 1 they would touch where it
-/// begins.
+/// Distance of two strands over the sum of their contact radii from which contact acts, because at 1 they would touch
+/// where it begins.
 const CLEAR: f64 = 1.5;
 
 /// A rod from a joined node on, one way.
@@ -113,7 +113,8 @@ mod tests {
     use crate::rod::{Natural, RodMesh, Section, Shape};
     use crate::scene::Joint;
 
-    /// Two rods that cross at right angles in their middle nodes, 0.1 apart; contact radii 0.02: arms are clear at 0.06.
+    /// Two rods that cross at right angles in their middle nodes, 0.1 apart; contact radii 0.02: arms are clear at
+    /// 0.06.
     #[test]
     fn a_cross_leaves_out_its_middle() {
         let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.02);

@@ -42,23 +42,25 @@ pub struct Hinge {
     pub axis: Vec3,
 }
 
-/// A rigid body that rods touch on one side, and that pushes without friction: a table, a press, a pulley, a tube, a capsid.
+/// A rigid body that rods touch on one side, and that pushes without friction: a table, a press, a pulley, a tube, a
+/// capsid.
 ///
-/// Its surface is at the distance `radius` from its skeleton, see [`Skeleton`]: a plane, a sphere about a point, a cylinder
-/// about a line. Rods that take part in contact keep their contact radius from it, under the law of contact between rods.
-/// [`Ramp::Obstacle`](super::Ramp::Obstacle) moves it and changes its radius. It may be parted from: by itself it holds a rod only
-/// against dead forces that press the rod onto it.
+/// Its surface is at the distance `radius` from its skeleton, see [`Skeleton`]: a plane, a sphere about a point, a
+/// cylinder about a line. Rods that take part in contact keep their contact radius from it, under the law of contact
+/// between rods. [`Ramp::Obstacle`](super::Ramp::Obstacle) moves it and changes its radius. It may be parted from: by
+/// itself it holds a rod only against dead forces that press the rod onto it.
 ///
-/// A node may carry it ([`Obstacle::bead`], [`Obstacle::grip`]): it moves and turns with the node, and what rods exert on it acts
-/// on the node. The rod of that node, and rods joined there, do not touch it next to the node: as far as a curve that turns by
-/// less than half a turn may need to leave it, π/2 (radius + contact radius) along the rod. Carried bodies do not touch each other,
-/// nor other obstacles.
+/// A node may carry it ([`Obstacle::bead`], [`Obstacle::grip`]): it moves and turns with the node, and what rods exert
+/// on it acts on the node. The rod of that node, and rods joined there, do not touch it next to the node: as far as a
+/// curve that turns by less than half a turn may need to leave it, π/2 (radius + contact radius) along the rod. Carried
+/// bodies do not touch each other, nor other obstacles.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Obstacle {
     /// Name in reports.
     pub name: String,
-    /// What its surface is everywhere equally far from. In a planar model the x-y plane of the rods is a plane of symmetry.
+    /// What its surface is everywhere equally far from. In a planar model the x-y plane of the rods is a plane of
+    /// symmetry.
     pub skeleton: Skeleton,
     /// Distance of the surface from the skeleton at the start \[L\]; 0 of a plane.
     pub radius: f64,
@@ -75,7 +77,8 @@ pub struct Obstacle {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ObstaclePose {
-    /// Distance of the surface from the skeleton \[L\]: a radius; of a plane how far it has been moved along its normal.
+    /// Distance of the surface from the skeleton \[L\]: a radius; of a plane how far it has been moved along its
+    /// normal.
     pub level: f64,
     /// Displacement since the start, after the turn \[L\].
     pub displacement: Vec3,
@@ -166,7 +169,8 @@ impl Obstacle {
         Self { carrier: Some(node), ..made }
     }
 
-    /// A rod's end prolonged by a rigid capsule as thick as its contact radius there, outwards along d3; endless without a length.
+    /// A rod's end prolonged by a rigid capsule as thick as its contact radius there, outwards along d3; endless
+    /// without a length.
     ///
     /// # Panics
     /// If there is no such node.
@@ -198,8 +202,8 @@ impl Obstacle {
         }
     }
 
-    /// Arc length from a carrying node within which a rod of this contact radius does not touch a body of this radius \[L\]: a
-    /// curve that turns by less than π over a length ends 2/π of it or farther from where it began (Schur).
+    /// Arc length from a carrying node within which a rod of this contact radius does not touch a body of this radius
+    /// \[L\]: a curve that turns by less than π over a length ends 2/π of it or farther from where it began (Schur).
     pub(crate) fn surroundings(radius: f64, contact_radius: f64) -> f64 {
         FRAC_PI_2 * (radius + contact_radius)
     }
@@ -251,9 +255,9 @@ impl Obstacle {
         ObstaclePose { displacement: place - self.skeleton.point(), rotation, ..*placement }
     }
 
-    /// Whether it passes one of some points \[L\], or comes to have it beyond its middle, on its way from one placement to
-    /// another: what moves by more than its radius may do so. Points count that are as near as it moves, and `spacing` more.
-    /// Hollow bodies and planes have no far side.
+    /// Whether it passes one of some points \[L\], or comes to have it beyond its middle, on its way from one placement
+    /// to another: what moves by more than its radius may do so. Points count that are as near as it moves, and
+    /// `spacing` more. Hollow bodies and planes have no far side.
     pub(crate) fn leaps_over(&self, [from, to]: [&ObstaclePose; 2], points: &[Vec3], spacing: f64) -> bool {
         let surface = self.placed(from);
         if surface.is_hollow() {
@@ -355,8 +359,8 @@ impl Model {
         Ok(())
     }
 
-    /// Arc lengths of a rod \[L\] between which it does not touch an obstacle, because it carries it; on a closed rod perhaps
-    /// beyond its seam.
+    /// Arc lengths of a rod \[L\] between which it does not touch an obstacle, because it carries it; on a closed rod
+    /// perhaps beyond its seam.
     pub(crate) fn left_out(&self, obstacle: &Obstacle, level: f64, rod: usize) -> Vec<[f64; 2]> {
         let reach = Obstacle::surroundings(level, self.rods[rod].thickest());
         let of_node = |at: NodeRef| [-reach, reach].map(|by| self.rods[rod].spacing() * at.node as f64 + by);
@@ -465,8 +469,8 @@ impl Model {
         }
         let (depth, Some((arc, at))) = deepest else { return Ok(()) };
         let reason = format!(
-            "rod \"{}\" starts beyond it: its surface is {depth} deep at arc {arc}, where its centreline is at ({}, {}, {}); move \
-         the rod, or the {}, by that along the normal",
+            "rod \"{}\" starts beyond it: its surface is {depth} deep at arc {arc}, where its centreline is at ({}, \
+             {}, {}); move the rod, or the {}, by that along the normal",
             rod.name,
             at.x,
             at.y,

@@ -16,8 +16,8 @@ pub(super) fn npy(bytes: &[u8]) -> Result<Vec<Vec3>, String> {
     Ok(values.chunks_exact(stride).map(|row| Vec3::new(row[0], row[1], row[2])).collect())
 }
 
-/// Curves of a VECT file: `VECT`, the numbers of curves, vertices and colours, the vertices of each curve (negative where it
-/// is closed), its colours, then the coordinates.
+/// Curves of a VECT file: `VECT`, the numbers of curves, vertices and colours, the vertices of each curve (negative
+/// where it is closed), its colours, then the coordinates.
 pub(super) fn vect(text: &str) -> Result<Vec<Vec<Vec3>>, String> {
     let lines = (1..).zip(text.lines()).map(|(number, line)| (number, line.split('#').next().unwrap_or_default()));
     let mut words = lines.flat_map(|(number, line)| line.split_whitespace().map(move |word| (number, word)));
@@ -48,9 +48,8 @@ pub(super) fn vect(text: &str) -> Result<Vec<Vec<Vec3>>, String> {
     sizes.iter().map(|size| (0..size.unsigned_abs()).map(|_| point()).collect()).collect()
 }
 
-/// Phosphorus atoms of a chain of a PDB file, model by model; of the two strands of a double helix, without a chain, the points
-/// midway between partners. Columns as the format fixes them: name 13–16, chain 22, x, y,
-/// z in 31–54.
+/// Phosphorus atoms of a chain of a PDB file, model by model; of the two strands of a double helix, without a chain,
+/// the points midway between partners. Columns as the format fixes them: name 13–16, chain 22, x, y, z in 31–54.
 pub(super) fn pdb(text: &str, chain: Option<&str>) -> Result<Vec<Vec<Vec3>>, String> {
     let mut models: Vec<Vec<Vec3>> = vec![Vec::new()];
     let mut chains: Vec<&str> = Vec::new();

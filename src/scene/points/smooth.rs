@@ -3,7 +3,8 @@
 use crate::error::InputError;
 use crate::math::Vec3;
 
-/// Neighbours that a row of the folded system reaches on either side: two along the curve, which folding a ring doubles.
+/// Neighbours that a row of the folded system reaches on either side: two along the curve, which folding a ring
+/// doubles.
 const BAND: usize = 4;
 /// Longest smoothing length, in mean distances of points: rounding is amplified by its fourth power.
 const LONGEST: f64 = 100.0;
@@ -14,10 +15,10 @@ const LONGEST: f64 = 100.0;
 /// ∫ |r − p|² ds + ℓ⁴ ∫ |r″|² ds
 /// ```
 ///
-/// over the points p, in sums over them with s along the polygon (Whittaker 1923). Of a wave of wavenumber k it keeps the
-/// part 1/(1 + (kℓ)⁴): half of waves 2πℓ long, next to nothing of shorter ones, all of longer ones; a circle of
-/// radius R shrinks by (ℓ/R)⁴. Closed curves stay closed, end points of open ones stay where they are, straight lines stay
-/// as they are.
+/// over the points p, in sums over them with s along the polygon (Whittaker 1923). Of a wave of wavenumber k it keeps
+/// the part 1/(1 + (kℓ)⁴): half of waves 2πℓ long, next to nothing of shorter ones, all of longer ones; a circle of
+/// radius R shrinks by (ℓ/R)⁴. Closed curves stay closed, end points of open ones stay where they are, straight lines
+/// stay as they are.
 ///
 /// ```
 /// use supercoil::{math::Vec3, scene::smooth_points};

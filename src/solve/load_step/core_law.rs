@@ -12,8 +12,8 @@ use crate::solve::load_step::step_report::{Failed, Status, StepReport};
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::search::newton::SearchOptions;
 
-/// Depth of the core law relative to the contact distance, because with 0.1 instead a minicircle takes 442 iterations for
-/// 404, and tweezers do not converge.
+/// Depth of the core law relative to the contact distance, because with 0.1 instead a minicircle takes 442 iterations
+/// for 404, and tweezers do not converge.
 const DEPTH: f64 = 0.4;
 /// Overlap, over the contact radius, from which strands are first separated under a law without a core, because at 2
 /// [`DEPTH`] the core's energy is infinite.

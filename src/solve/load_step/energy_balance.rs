@@ -1,10 +1,10 @@
 //! Energy balance of a load step: a snap is reported by the energy that is missing.
 //!
 //! Along a branch the energy E of equilibria changes by the work of what is prescribed: dE = Σ F dλ, F = ∂E/∂λ at a
-//! fixed configuration. For turns of seams F is the twisting moment, for motions of supports the reactions, for obstacles
-//! and contact radii the contact forces, for load factors, pressures and other numbers of rods the derivative of the
-//! potential itself. Let W₀ and W₁ be the work of a step under the forces at its start and at its end. Along a smooth
-//! branch E₁ − E₀ is ½ (W₀ + W₁) but for an error of third order.
+//! fixed configuration. For turns of seams F is the twisting moment, for motions of supports the reactions, for
+//! obstacles and contact radii the contact forces, for load factors, pressures and other numbers of rods the derivative
+//! of the potential itself. Let W₀ and W₁ be the work of a step under the forces at its start and at its end. Along a
+//! smooth branch E₁ − E₀ is ½ (W₀ + W₁) but for an error of third order.
 //!
 //! With the change ΔW of the last step's work, and r the step over the last one, the branch goes on to
 //!

@@ -13,9 +13,9 @@ use crate::solve::search::newton::SearchOptions;
 pub(in crate::solve) const MAX_TANGENT_ROUNDS: usize = 3;
 
 impl Solver {
-    /// Raises and lowers offsets until penetrations and gaps open under force are within the tolerance, and the tangents of
-    /// the contact centrelines are those of the state. From a search whose last increment is this; by searches that
-    /// leave unstable equilibria so often.
+    /// Raises and lowers offsets until penetrations and gaps open under force are within the tolerance, and the
+    /// tangents of the contact centrelines are those of the state. From a search whose last increment is this; by
+    /// searches that leave unstable equilibria so often.
     pub(super) fn enforce_contact(
         &mut self,
         mut increment: f64,

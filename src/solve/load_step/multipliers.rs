@@ -148,11 +148,12 @@ impl Solver {
         ContactErrors { gaps, penetration }
     }
 
-    /// Arc length \[L\] within which an offset belongs to a contact (with an obstacle, without a master), and is raised and
-    /// lowered by its smallest gap: where the contact may still be one and the same point. In a wider window an offset
-    /// would see other contacts too, not be lowered while strands touch there, and hold open strands that are apart at
-    /// its own place; in a narrower one it would be raised at wave numbers q that the rods do not follow: of these an
-    /// augmentation mends only a share κ/(κ + Bq⁴). For that reason it is never shorter than an element either.
+    /// Arc length \[L\] within which an offset belongs to a contact (with an obstacle, without a master), and is raised
+    /// and lowered by its smallest gap: where the contact may still be one and the same point. In a wider window an
+    /// offset would see other contacts too, not be lowered while strands touch there, and hold open strands that are
+    /// apart at its own place; in a narrower one it would be raised at wave numbers q that the rods do not follow: of
+    /// these an augmentation mends only a share κ/(κ + Bq⁴). For that reason it is never shorter than an element
+    /// either.
     pub(in crate::solve) fn window(&self, side: &ContactSide, slave: usize, master: Option<usize>) -> f64 {
         let rod = |segment: usize| &self.engine.model.rods[self.engine.rod_of(side.nodes[segment][0])];
         let (a, b) = (rod(slave), master.map(rod));
@@ -169,8 +170,8 @@ impl Solver {
         half_point.max(a.length / a.num_elements as f64)
     }
 
-    /// Next task until penetrations are within the tolerance of the secant steps, and no gap is open under force that can be
-    /// released.
+    /// Next task until penetrations are within the tolerance of the secant steps, and no gap is open under force that
+    /// can be released.
     pub(in crate::solve) fn outstanding(&self, secant_steps: &mut SecantSteps) -> Outstanding {
         if self.engine.contact.is_none() {
             return Outstanding { penetration: 0.0, complementarity: Some(0.0), gaps: None };
@@ -214,9 +215,9 @@ impl Solver {
     }
 }
 
-/// Secant steps of the offsets. At the edge of a zone, or between two nodes that carry a contact, a gap may hardly depend on the
-/// offset; lowered by the gap alone, such an offset would not let go. Overlaps that vary from node to node would hardly close: at
-/// a wave number q rods follow an offset by a share κ/(κ + Bq⁴) of it.
+/// Secant steps of the offsets. At the edge of a zone, or between two nodes that carry a contact, a gap may hardly
+/// depend on the offset; lowered by the gap alone, such an offset would not let go. Overlaps that vary from node to
+/// node would hardly close: at a wave number q rods follow an offset by a share κ/(κ + Bq⁴) of it.
 #[derive(Debug)]
 pub(in crate::solve) struct SecantSteps {
     /// Penetration that is tolerated, over the smallest contact radius.
@@ -251,9 +252,9 @@ impl SecantSteps {
         left
     }
 
-    /// Factors for these gaps: 1 at first; where an overlap is not tolerated \[L\] or a gap is wider than `open` \[L\], though the
-    /// offset was changed for it, the factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times the last. An
-    /// overlap that does not follow at all, as between supports, does not say how far to go.
+    /// Factors for these gaps: 1 at first; where an overlap is not tolerated \[L\] or a gap is wider than `open` \[L\],
+    /// though the offset was changed for it, the factor that would have closed it, at most [`MAX_SECANT_GROWTH`] times
+    /// the last. An overlap that does not follow at all, as between supports, does not say how far to go.
     fn adapt(&mut self, set: &CurveSet, gaps: &ContactField, [tolerated, open]: [f64; 2]) {
         let Some(before) = &self.before else {
             self.secant_steps = gaps.map(|_, _| 1.0);

@@ -1,10 +1,10 @@
 //! Large turns are made on a coarse mesh first.
 //!
-//! A step that turns a rod by several turns passes through equilibria that are not requested, and most of its iterations
-//! are spent on these. A fine mesh is needed for lines of contact and for digits at the end, not on the way there:
-//! strands coil as wide as they are thick or wider. So the step is made on every second to eighth node, on a mesh no
-//! coarser than that of a draft ([`Fidelity::Draft`]). The nodes between are interpolated, contact offsets too, and the
-//! whole mesh converges from there. If it does not, the step is made on the whole mesh alone.
+//! A step that turns a rod by several turns passes through equilibria that are not requested, and most of its
+//! iterations are spent on these. A fine mesh is needed for lines of contact and for digits at the end, not on the way
+//! there: strands coil as wide as they are thick or wider. So the step is made on every second to eighth node, on a
+//! mesh no coarser than that of a draft ([`Fidelity::Draft`]). The nodes between are interpolated, contact offsets too,
+//! and the whole mesh converges from there. If it does not, the step is made on the whole mesh alone.
 //!
 //! Smaller steps stay on the whole mesh. It would save a third of their work where they are not foreseen, too, but
 //! branches would be chosen by the coarse mesh, and the ripples of its lines of contact show in the offsets (3e-3 of

@@ -3,9 +3,9 @@
 //! The prediction is a polynomial through the last two or three states in the exponential coordinates of SE(3): each
 //! node moves from its last pose along a screw whose velocity and rotation vector are polynomials. Their parameter is
 //! the prescribed change: states count as long as their controls (seams, turns, displacements and poses of supports,
-//! load factor, pressures, placements of obstacles) lie on one line with the target. So predictions do not depend on stages,
-//! and single steps are predicted like those of a run. The prescribed spin of frames is removed first, so that only the
-//! response of the rods is extrapolated.
+//! load factor, pressures, placements of obstacles) lie on one line with the target. So predictions do not depend on
+//! stages, and single steps are predicted like those of a run. The prescribed spin of frames is removed first, so that
+//! only the response of the rods is extrapolated.
 //!
 //! The screw of a node is that of its surroundings: the rigid motion that leads a piece of the rod from one state
 //! nearest to another. Its frame may turn within them, as that of a rod that is twisted does. So strands of a cable or

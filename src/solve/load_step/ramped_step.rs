@@ -29,7 +29,8 @@ impl Solver {
         self.step_through(&Stage::new(ramps.to_vec(), 1))
     }
 
-    /// As [`Solver::step_to`], for the ramps of a stage, whose changes of supports are made before; without either, settles.
+    /// As [`Solver::step_to`], for the ramps of a stage, whose changes of supports are made before; without either,
+    /// settles.
     ///
     /// # Errors
     /// Those of [`Solver::step_to`]; changes of supports that do not fit the model.

@@ -2,9 +2,9 @@
 //!
 //! [`Solver::load_step`] is the whole of it. It goes through an ordered list of starts ([`Origin::all`]); each that
 //! applies makes a guess, a value. The first guess from which a search converges, and from which contact can be
-//! enforced there, ends the step. A search from a guess follows the branch: it leaves no unstable equilibrium. From a guess
-//! whose contact is not known, a shape, the search goes over the laws ([`Solver::continue_over_laws`]). So it does from
-//! the present state, the last start: it always applies, and descends from unstable equilibria.
+//! enforced there, ends the step. A search from a guess follows the branch: it leaves no unstable equilibrium. From a
+//! guess whose contact is not known, a shape, the search goes over the laws ([`Solver::continue_over_laws`]). So it
+//! does from the present state, the last start: it always applies, and descends from unstable equilibria.
 
 use crate::contact::law::Law;
 use crate::error::SolveError;
@@ -121,8 +121,9 @@ impl Solver {
             report.penetration = self.contact_errors().penetration;
         }
         report.stiffness_reduction = self.engine.stiffness_reduction();
-        report.branch_ends = matches!(report.start, Some(Origin::ShortRod | Origin::ClosedPlectoneme) if report.escapes > 0)
-            || report.attempts.iter().any(|a| a.origin != Origin::CoreLaw && a.status == Status::Unstable);
+        let snapped = matches!(report.start, Some(Origin::ShortRod | Origin::ClosedPlectoneme)) && report.escapes > 0;
+        report.branch_ends =
+            snapped || report.attempts.iter().any(|a| a.origin != Origin::CoreLaw && a.status == Status::Unstable);
         if let Some(Failed { status, error }) = failed {
             (report.status, report.error) = (status, error);
         }

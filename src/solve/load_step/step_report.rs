@@ -53,8 +53,8 @@ pub enum Origin {
     Present,
     /// The equilibrium of a coarse mesh, after several turns.
     CoarseMesh,
-    /// A closed plectoneme: that into which a ring snaps by several turns; a long one made of the equilibrium of a short
-    /// one.
+    /// A closed plectoneme: that into which a ring snaps by several turns; a long one made of the equilibrium of a
+    /// short one.
     ClosedPlectoneme,
     /// The plectoneme that a short piece of a long straight rod snaps into.
     ShortRod,

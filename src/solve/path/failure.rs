@@ -120,20 +120,22 @@ impl Failure {
             (Status::Stopped, ..) => "",
             _ if self.is_too_tight() => "a thinner or a stiffer rod, less load or fewer turns",
             (_, _, Some(overlap)) if overlap.depth > 1.0 => {
-                "strands may be inside each other beyond what contact can undo, or squeezed without a way out: check where \
-                 they start (supercoil check), and that the ramps leave room for them"
+                "strands may be inside each other beyond what contact can undo, or squeezed without a way out: check \
+                 where they start (supercoil check), and that the ramps leave room for them"
             }
             (Status::Penetration, ..) => {
-                "strands may have no room left; otherwise more elements, a harder contact law or a larger tol_penetration"
+                "strands may have no room left; otherwise more elements, a harder contact law or a larger \
+                 tol_penetration"
             }
             (Status::Unstable, ..) => {
-                "no stable state was found nearby: more steps, or a small load or displacement that decides to which side"
+                "no stable state was found nearby: more steps, or a small load or displacement that decides to which \
+                 side"
             }
             (_, Some(SolveError::TooCoarse { .. } | SolveError::TooTwisted { .. }), _) => "more elements",
             _ if !self.ramps_loads => "more elements, smaller steps or more solver.max_iterations",
             _ => {
-                "more elements, smaller steps or more solver.max_iterations; beyond a limit load there is no state nearby: \
-                 ramp a displacement or rotation instead of a load or pressure"
+                "more elements, smaller steps or more solver.max_iterations; beyond a limit load there is no state \
+                 nearby: ramp a displacement or rotation instead of a load or pressure"
             }
         }
     }

@@ -41,8 +41,8 @@ impl Potential {
         self.elastic.total() + self.contact + self.electrostatic + self.load
     }
 
-    /// Sum of all parts but stretch and shear, which are nearly rigid: errors of a guess show in them first, and the first
-    /// correction mends them.
+    /// Sum of all parts but stretch and shear, which are nearly rigid: errors of a guess show in them first, and the
+    /// first correction mends them.
     pub(crate) fn without_stretch_and_shear(&self) -> f64 {
         self.elastic.bending + self.elastic.twisting + self.contact + self.electrostatic + self.load
     }
@@ -132,8 +132,8 @@ impl Engine {
         out
     }
 
-    /// Forces and moments that joints and supports must exert on each node at `state`, six numbers a node; contact must be up to
-    /// date for it.
+    /// Forces and moments that joints and supports must exert on each node at `state`, six numbers a node; contact must
+    /// be up to date for it.
     pub(crate) fn forces_on_nodes(&self, state: &State) -> Vec<f64> {
         self.residual_of_nodes(state, Request::default()).gradient
     }
@@ -228,8 +228,8 @@ impl Engine {
         out.rounding = self.rounding_of_potential(out);
     }
 
-    /// Rounding error of the potential \[F·L\]: of its parts, and of the strains and gaps that forces do work on, each of
-    /// them a few units in the last place of a node spacing or of 1 rad.
+    /// Rounding error of the potential \[F·L\]: of its parts, and of the strains and gaps that forces do work on, each
+    /// of them a few units in the last place of a node spacing or of 1 rad.
     fn rounding_of_potential(&self, at: &Residual) -> f64 {
         let parts = at.potential.total().abs() + at.potential.elastic.total();
         let way = |k: usize| if k % 6 < 3 { self.scales.lever } else { 1.0 };

@@ -1,8 +1,8 @@
 //! How tightly rods are bent for their thickness.
 //!
-//! A tube of radius ε about a curve overlaps itself within a bend where the curvature κ of the centreline is above 1/ε, and
-//! nowhere else along a bend (Federer 1959: the reach of a curve). Contact acts between strands, not within a bend, so
-//! beyond κε = 1 a state is not one of the tube.
+//! A tube of radius ε about a curve overlaps itself within a bend where the curvature κ of the centreline is above 1/ε,
+//! and nowhere else along a bend (Federer 1959: the reach of a curve). Contact acts between strands, not within a bend,
+//! so beyond κε = 1 a state is not one of the tube.
 
 use crate::math::Vec3;
 use crate::rod::element::{Strain, raw_strains};
@@ -27,9 +27,9 @@ impl Bend {
 }
 
 impl Engine {
-    /// Largest curvature \[1/L\] of a rod's centreline at its integration points, and the reference arc length \[L\] where
-    /// it is. Where a rod is sheared it is not the bending of the sections. Linear elements have the same shear all along:
-    /// how it changes from one to the next is no part of their curvature.
+    /// Largest curvature \[1/L\] of a rod's centreline at its integration points, and the reference arc length \[L\]
+    /// where it is. Where a rod is sheared it is not the bending of the sections. Linear elements have the same shear
+    /// all along: how it changes from one to the next is no part of their curvature.
     pub fn largest_curvature(&self, rod: usize) -> [f64; 2] {
         let larger = |a: [f64; 2], b: [f64; 2]| if b[0] > a[0] { b } else { a };
         self.curvatures(rod).fold([0.0, 0.0], larger)
@@ -89,8 +89,8 @@ mod tests {
     use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::Model;
 
-    /// Sections that lean by 0.4 rad from the tangent of a helix of radius 1 and pitch 2π, and turn about their normal 9
-    /// rad a turn against it: its centreline has curvature ½ all the same, and the sections bend by another amount.
+    /// Sections that lean by 0.4 rad from the tangent of a helix of radius 1 and pitch 2π, and turn about their normal
+    /// 9 rad a turn against it: its centreline has curvature ½ all the same, and the sections bend by another amount.
     #[test]
     fn a_sheared_rod_has_the_curvature_of_its_centreline() {
         let shape = Shape::Helix {

@@ -43,7 +43,8 @@ impl ContactSide {
         }
     }
 
-    /// Nodes that a term of a segment and an obstacle is of: the segment's, and that which carries the obstacle, if one does.
+    /// Nodes that a term of a segment and an obstacle is of: the segment's, and that which carries the obstacle, if one
+    /// does.
     pub(crate) fn nodes_at_surface(&self, segment: usize, surface: usize) -> ([usize; 3], usize) {
         let [a, b] = self.nodes[segment];
         match &self.carriers[surface] {
@@ -69,8 +70,8 @@ impl BodyMotion {
         Self { displacement, rotation }
     }
 
-    /// A bound of what it adds to the motion of points within `far` of its own that move by `fast`, as they are seen from it \[L\]:
-    /// its displacement, its rotation, and what a finite turn adds.
+    /// A bound of what it adds to the motion of points within `far` of its own that move by `fast`, as they are seen
+    /// from it \[L\]: its displacement, its rotation, and what a finite turn adds.
     pub(in crate::solve) fn fastest(&self, far: f64, fast: f64) -> f64 {
         let (moved, turn) = (self.displacement.norm(), self.rotation.norm());
         let fast = fast + moved;

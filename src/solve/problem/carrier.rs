@@ -1,8 +1,8 @@
 //! A node that carries a rigid body, and which segments next to it do not touch the body.
 //!
 //! The strand that carries a body is left out next to the node, as far as it may need to leave the body
-//! ([`Obstacle::surroundings`]), whole segments at a time: the part that is left out does not change with the shape, so the energy is as
-//! smooth as without it.
+//! ([`Obstacle::surroundings`]), whole segments at a time: the part that is left out does not change with the shape, so
+//! the energy is as smooth as without it.
 
 use std::ops::Range;
 

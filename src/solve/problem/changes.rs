@@ -60,8 +60,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Gives prescribed quantities of the present state their values; nodes and frames stay. The model takes numbers of rods by
-    /// [`Engine::take_numbers`].
+    /// Gives prescribed quantities of the present state their values; nodes and frames stay. The model takes numbers of
+    /// rods by [`Engine::take_numbers`].
     pub(crate) fn prescribe(&mut self, values: impl IntoIterator<Item = PrescribedValue>) {
         self.state.prescribe(values);
     }
@@ -135,8 +135,9 @@ impl Engine {
         true
     }
 
-    /// Does some work with the problem at a state of the present nodes: other numbers of rods, other places of obstacles,
-    /// contact brought up to date with them at the offsets that give the present pressures. Then all is as it was.
+    /// Does some work with the problem at a state of the present nodes: other numbers of rods, other places of
+    /// obstacles, contact brought up to date with them at the offsets that give the present pressures. Then all is as
+    /// it was.
     ///
     /// # Errors
     /// Contact curves that cannot be made of the numbers; contact geometry that breaks down.
@@ -216,7 +217,8 @@ mod tests {
     use crate::rod::{Rod, RodMesh, Section, Shape};
     use crate::scene::{Model, NodeRef, Support};
 
-    /// Symptom: where a rod grew, candidates were counted from 0 again, and the matrix could keep the pattern of before.
+    /// Symptom: where a rod grew, candidates were counted from 0 again, and the matrix could keep the pattern of
+    /// before.
     #[test]
     fn other_candidates_are_another_generation() {
         let rod = |height: f64| {

@@ -57,10 +57,9 @@ fn seen<'a>(side: &ContactSide, residual: &'a Residual, window: impl Fn(usize, u
     residual.contact_pairs.iter().flat_map(of_pair).collect()
 }
 
-/// Smallest gap of each contact in the window of each node \[L\], infinite where nothing touches; `window(slave, master)`,
-/// without a master of contact with obstacles. Offsets at nodes that
-/// touch several strands get entries of their own by that; those that there are already stay for as long as the strands
-/// are near.
+/// Smallest gap of each contact in the window of each node \[L\], infinite where nothing touches; `window(slave,
+/// master)`, without a master of contact with obstacles. Offsets at nodes that touch several strands get entries of
+/// their own by that; those that there are already stay for as long as the strands are near.
 pub(crate) fn smallest_gaps(
     side: &ContactSide,
     residual: &Residual,

@@ -58,8 +58,8 @@ pub(crate) struct ContactSide {
     pub(crate) is_current: bool,
 }
 
-/// Pairs i < j of segments of rods that take part in contact, between which joints leave it out. Segments are numbered rod by rod,
-/// in the order of `touching`.
+/// Pairs i < j of segments of rods that take part in contact, between which joints leave it out. Segments are numbered
+/// rod by rod, in the order of `touching`.
 fn at_joints(model: &Model, touching: &[usize]) -> Vec<[u32; 2]> {
     let before = |rod: usize| touching.iter().take_while(move |other| **other != rod);
     let first = |rod: usize| before(rod).map(|&rod| model.rods[rod].num_segments()).sum::<usize>();
@@ -75,8 +75,8 @@ fn at_joints(model: &Model, touching: &[usize]) -> Vec<[u32; 2]> {
 }
 
 impl ContactSide {
-    /// Curves of the rods that have a contact radius, under a penalty of the given dimensionless stiffness κ ε⁴/B, ε the
-    /// smallest radius, B `bending`, with the model's obstacles and charges; `None` if no rod has one.
+    /// Curves of the rods that have a contact radius, under a penalty of the given dimensionless stiffness κ ε⁴/B, ε
+    /// the smallest radius, B `bending`, with the model's obstacles and charges; `None` if no rod has one.
     ///
     /// # Errors
     /// Curves that [`CurveSet::new`] refuses.

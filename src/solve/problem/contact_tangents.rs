@@ -1,9 +1,9 @@
 //! Tangents of the contact centrelines at the nodes: r′ in the frame of the node.
 //!
-//! The contact centreline between two neighbouring nodes is the cubic Hermite curve through them with the tangents R v, R
-//! the frame of a node. v is e3 along rods that are hardly sheared or stretched. A shear γ that is left out makes ripples
-//! of ±0.1 γ h between nodes h apart, whose mean is zero; a stretch λ moves points between nodes by up to
-//! (λ − 1) κ (λh)²/8 to the inside of a bend κ. Along others it is measured (`measured_tangents`). Like contact pressures, v
+//! The contact centreline between two neighbouring nodes is the cubic Hermite curve through them with the tangents R v,
+//! R the frame of a node. v is e3 along rods that are hardly sheared or stretched. A shear γ that is left out makes
+//! ripples of ±0.1 γ h between nodes h apart, whose mean is zero; a stretch λ moves points between nodes by up to (λ −
+//! 1) κ (λh)²/8 to the inside of a bend κ. Along others it is measured (`measured_tangents`). Like contact pressures, v
 //! is held fixed while the potential falls, so that contact stays a function of positions and frames of two nodes a
 //! segment. A handle that gets longer moves along the rod, on which forces along normals do no work.
 
@@ -44,8 +44,8 @@ impl MaterialTangents {
         self.0[node].norm()
     }
 
-    /// The contact centreline between two neighbouring nodes, `length` apart along the rod, and the rounding errors of its
-    /// control points \[L\]. It is C¹ along the rod, which the elements' own Lagrange curve is not.
+    /// The contact centreline between two neighbouring nodes, `length` apart along the rod, and the rounding errors of
+    /// its control points \[L\]. It is C¹ along the rod, which the elements' own Lagrange curve is not.
     pub(in crate::solve) fn cubic(&self, state: &State, [a, b]: [usize; 2], length: f64) -> (Cubic, [Vec3; 4]) {
         let handle = |n: usize| self.at(state, n) * (length / 3.0);
         let (start, end) = (state.positions[a], state.positions[b]);

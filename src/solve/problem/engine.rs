@@ -55,8 +55,8 @@ pub struct Engine {
     pub(crate) equations: Vec<[bool; 6]>,
     /// Supports that hold rotation about one axis.
     pub(crate) swivels: Vec<Swivel>,
-    /// What joined nodes share. Unknowns of another node are not free, carry no mass, and their share of the gradient is the
-    /// owner's.
+    /// What joined nodes share. Unknowns of another node are not free, carry no mass, and their share of the gradient
+    /// is the owner's.
     pub(crate) sharing: Sharing,
     pub(in crate::solve::problem) state: State,
     pub(crate) contact: Option<ContactSide>,
@@ -208,8 +208,8 @@ impl Engine {
             let resolution = f64::EPSILON * farthest / rod.spacing();
             if resolution > MAX_RESOLUTION {
                 let reason = format!(
-                    "lies up to {farthest:e} from the origin, where its start is known to {resolution:.1e} of its node spacing only, \
-                     not to {MAX_RESOLUTION:e}: move the model to the origin"
+                    "lies up to {farthest:e} from the origin, where its start is known to {resolution:.1e} of its \
+                     node spacing only, not to {MAX_RESOLUTION:e}: move the model to the origin"
                 );
                 return Err(InputError::Inconsistent { field: format!("rods.{}.positions", rod.name), reason });
             }
@@ -257,8 +257,8 @@ impl Engine {
         self.free[self.nodes(rod)].iter().any(|node| !node.contains(&true))
     }
 
-    /// Whether supports hold an unknown of a node, its own or that which it shares; of hinged nodes the third rotation is that
-    /// about the axis.
+    /// Whether supports hold an unknown of a node, its own or that which it shares; of hinged nodes the third rotation
+    /// is that about the axis.
     pub(crate) fn is_held(&self, node: usize, k: usize) -> bool {
         !self.equations[self.sharing.owner[node][k]][k]
     }
@@ -497,9 +497,9 @@ fn scales(model: &Model) -> Scales {
     }
 }
 
-/// Length that turns rotations into displacements in shifts, node spacings: about an element. It must not know of contact
-/// radii, lest contact that nobody feels choose steps. Magnetic tweezers of 400 nm snap in 824 iterations with it, in
-/// 882 with 1, in 671 with 8; a minicircle takes 442, 481 and 530 in all.
+/// Length that turns rotations into displacements in shifts, node spacings: about an element. It must not know of
+/// contact radii, lest contact that nobody feels choose steps. Magnetic tweezers of 400 nm snap in 824 iterations with
+/// it, in 882 with 1, in 671 with 8; a minicircle takes 442, 481 and 530 in all.
 const LEVER: f64 = 3.0;
 
 fn metric(model: &Model, scales: &Scales, sharing: &Sharing) -> Vec<f64> {

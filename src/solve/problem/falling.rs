@@ -11,8 +11,8 @@ use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
 impl Engine {
-    /// A rod that neither supports nor planes hold against its dead forces, that touches no rod it is not joined to, and that
-    /// has all of these behind it.
+    /// A rod that neither supports nor planes hold against its dead forces, that touches no rod it is not joined to,
+    /// and that has all of these behind it.
     pub(in crate::solve) fn falling_for_ever(&self, state: &State, residual: &Residual) -> Option<usize> {
         let rods = 0..self.model.rods.len();
         if state.load_factor == 0.0 || rods.len() == 1 {

@@ -20,8 +20,8 @@ pub struct NodalFields {
     /// Contact force on the rod per reference length \[F/L\]; times the node's share of the length it sums to the
     /// resultant.
     pub contact_force: Vec<Vec3>,
-    /// Internal force n = Σ N_i d_i \[F\], in the global axes: that of the rod beyond the node on the rod before it, so tension
-    /// points towards growing s.
+    /// Internal force n = Σ N_i d_i \[F\], in the global axes: that of the rod beyond the node on the rod before it, so
+    /// tension points towards growing s.
     pub internal_force: Vec<Vec3>,
     /// Internal moment m = Σ M_i d_i \[F·L\], in the global axes: likewise.
     pub internal_moment: Vec<Vec3>,

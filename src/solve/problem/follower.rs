@@ -57,8 +57,8 @@ impl Hinged {
 /// What nodes share with others.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Sharing {
-    /// Per node and unknown, six a node: the node whose unknown it is, itself unless joined. Third rotations of hinged nodes are
-    /// those about the axis.
+    /// Per node and unknown, six a node: the node whose unknown it is, itself unless joined. Third rotations of hinged
+    /// nodes are those about the axis.
     pub(crate) owner: Vec<[usize; 6]>,
     /// Those that share something, in an order in which none follows a later one.
     pub(crate) followers: Vec<Follower>,
@@ -66,7 +66,8 @@ pub(crate) struct Sharing {
 }
 
 impl Sharing {
-    /// Of a model whose rods begin at these nodes. Of hinged nodes the first one is one that supports hold, if there is any.
+    /// Of a model whose rods begin at these nodes. Of hinged nodes the first one is one that supports hold, if there is
+    /// any.
     pub(crate) fn of(model: &Model, first_node: &[usize]) -> Self {
         let num_nodes = first_node[model.rods.len()];
         let mut sharing = Self { owner: (0..num_nodes).map(|node| [node; 6]).collect(), ..Self::default() };
@@ -121,7 +122,8 @@ impl Sharing {
         self.followers.iter().for_each(|follower| follower.follow(state));
     }
 
-    /// Moves sizes of forces, or masses, six a node, to the owners of the unknowns. What hinged nodes share is left with each.
+    /// Moves sizes of forces, or masses, six a node, to the owners of the unknowns. What hinged nodes share is left
+    /// with each.
     pub(crate) fn give_sizes(&self, values: &mut [f64]) {
         for node in self.followers.iter().map(|follower| follower.node) {
             for k in 0..6 {

@@ -1,19 +1,21 @@
 //! Joined nodes: the one place that says where they are.
 //!
-//! Joined nodes share unknowns of the first of them: their position, and of their rotation all (rigid joints), none (pins) or
-//! what is not about an axis (hinges). [`Engine::retract`] puts the other nodes of a joint where the first one is, and turns their
-//! frames with it, so that no increment can part them. States made otherwise come into force by [`Engine::take_state`], which does
-//! the same with nodes that they part, or by [`Engine::set_state`], which refuses these.
+//! Joined nodes share unknowns of the first of them: their position, and of their rotation all (rigid joints), none
+//! (pins) or what is not about an axis (hinges). [`Engine::retract`] puts the other nodes of a joint where the first
+//! one is, and turns their frames with it, so that no increment can part them. States made otherwise come into force by
+//! [`Engine::take_state`], which does the same with nodes that they part, or by [`Engine::set_state`], which refuses
+//! these.
 //!
-//! The rotations of hinged nodes have three components in one basis (p, q, e), e the axis in space: those about p and q are
-//! shared, that about e is each node's own. A node b that follows a has R_b = R_a T exp(θ ē), so a motion by the rotation vectors
-//! a and b = a + φe, φ = (b − a)·e, makes
+//! The rotations of hinged nodes have three components in one basis (p, q, e), e the axis in space: those about p and q
+//! are shared, that about e is each node's own. A node b that follows a has R_b = R_a T exp(θ ē), so a motion by the
+//! rotation vectors a and b = a + φe, φ = (b − a)·e, makes
 //!
 //! ```text
 //! exp(a) exp(φe) R_b = exp(a + φe + ½φ a × e + …) R_b
 //! ```
 //!
-//! The last term does work ½φ M·(a × e) with the moment M that the potential's gradient has at b: it belongs to the tangent.
+//! The last term does work ½φ M·(a × e) with the moment M that the potential's gradient has at b: it belongs to the
+//! tangent.
 
 use crate::error::InputError;
 use crate::math::Vec3;
@@ -65,14 +67,16 @@ impl Engine {
         }
     }
 
-    /// Moves the forces and moments on joined nodes, six numbers a node, to the owners of the unknowns in the engine's state.
+    /// Moves the forces and moments on joined nodes, six numbers a node, to the owners of the unknowns in the engine's
+    /// state.
     pub(crate) fn give_to_masters(&self, forces: &mut [f64]) {
         if !self.sharing.followers.is_empty() {
             self.bases(&self.state).give_to_masters(&self.sharing, forces);
         }
     }
 
-    /// Adds to the tangent what the rotations of hinged nodes do in second order to a gradient of forces and moments on nodes.
+    /// Adds to the tangent what the rotations of hinged nodes do in second order to a gradient of forces and moments on
+    /// nodes.
     pub(in crate::solve) fn add_hinges(
         &self,
         gradient: &[f64],
@@ -124,8 +128,8 @@ impl Engine {
         self.sharing.followers.iter().any(is_with)
     }
 
-    /// The first joined node that a state puts [`MAX_GAP`] × node spacing from where it belongs, or turns [`MAX_GAP`] rad from
-    /// how it was joined.
+    /// The first joined node that a state puts [`MAX_GAP`] × node spacing from where it belongs, or turns [`MAX_GAP`]
+    /// rad from how it was joined.
     fn parted(&self, state: &State) -> Option<&Follower> {
         self.sharing.followers.iter().find(|follower| {
             let apart = state.chord(follower.master, follower.node).norm() / self.scales.lever;
@@ -299,7 +303,8 @@ mod tests {
         assert_eq!(engine.state, whole);
     }
 
-    /// A state put in force has its joined nodes where the first one is; one that parts none stays as it is to the last bit.
+    /// A state put in force has its joined nodes where the first one is; one that parts none stays as it is to the last
+    /// bit.
     #[test]
     fn states_in_force_are_joined() {
         let mut engine = star([JointKind::Rigid, hinge()]);

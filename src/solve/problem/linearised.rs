@@ -17,8 +17,8 @@ use crate::solve::problem::swivel::Bases;
 use crate::solve::problem::zero_energy::ZeroEnergyModes;
 use crate::sparse::{Factor, Pattern};
 
-/// Error of a response at which refinement ends, over the response in the norm of the energy, because the next correction is below
-/// rounding.
+/// Error of a response at which refinement ends, over the response in the norm of the energy, because the next
+/// correction is below rounding.
 const REFINED: f64 = 1e-9;
 
 /// Displacement and rotation of some nodes, or force and moment on them.
@@ -107,8 +107,8 @@ impl Linearised {
         Ok(())
     }
 
-    /// A motion under these forces, with some zero-energy modes in it: a response of the factor, refined by what is left of the
-    /// forces. `engine` is in the state of the tangent.
+    /// A motion under these forces, with some zero-energy modes in it: a response of the factor, refined by what is
+    /// left of the forces. `engine` is in the state of the tangent.
     pub(crate) fn solve(&mut self, engine: &Engine, forces: &[f64]) -> Vec<f64> {
         let mut motion = self.respond(forces);
         let whole = dot(forces, &motion).abs();

@@ -1,6 +1,6 @@
-//! The tangents of contact centrelines ([`MaterialTangents`]) measured on a state, by the strains at the integration points,
-//! which are the most exact numbers of an element: from the state that a load step begins with, and again from the state at
-//! rest, where they have become others.
+//! The tangents of contact centrelines ([`MaterialTangents`]) measured on a state, by the strains at the integration
+//! points, which are the most exact numbers of an element: from the state that a load step begins with, and again from
+//! the state at rest, where they have become others.
 
 use crate::math::quaternion::spin;
 use crate::math::shape_functions::lagrange_weight;
@@ -10,23 +10,23 @@ use crate::solve::problem::contact_tangents::{MaterialTangents, is_sheared};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
-/// Deviation of tangents from measured ones, in direction (rad, of sheared rods) and in length, from which they are renewed,
-/// because forces change by as little.
+/// Deviation of tangents from measured ones, in direction (rad, of sheared rods) and in length, from which they are
+/// renewed, because forces change by as little.
 const FOLLOWED: f64 = 1e-3;
 /// Shear from which tangents are fitted, because up to it directors are off by a hundredth.
 const SHEARED: f64 = 0.1;
 
 impl Engine {
-    /// Tangents for a state, along d3 on rods that are nowhere sheared by more than [`SHEARED`], and of length 1 on those that
-    /// are nowhere stretched by more than [`FOLLOWED`].
+    /// Tangents for a state, along d3 on rods that are nowhere sheared by more than [`SHEARED`], and of length 1 on
+    /// those that are nowhere stretched by more than [`FOLLOWED`].
     pub(in crate::solve) fn tangents_of(&self, state: &State) -> MaterialTangents {
         self.replaced(&MaterialTangents::directors(self.num_nodes()), state)
     }
 
     /// The tangents of a state: along a rod the directions that are known if none is off by more than [`FOLLOWED`], or
     /// [`SHEARED`] where they are directors, and the lengths that are known if none is off by more than [`FOLLOWED`];
-    /// otherwise those measured. A rod has either all of them or none, because a jump from one node to the next would be a
-    /// bend.
+    /// otherwise those measured. A rod has either all of them or none, because a jump from one node to the next would
+    /// be a bend.
     fn replaced(&self, MaterialTangents(known): &MaterialTangents, state: &State) -> MaterialTangents {
         let mut tangents = self.measured_tangents(state);
         for nodes in (0..self.model.rods.len()).map(|rod| self.nodes(rod)) {
@@ -76,15 +76,15 @@ impl Engine {
         std::array::from_fn(|a| (0..table.order).map(|g| v(g) * weight(g, a)).sum())
     }
 
-    /// Gives the contact centrelines the tangents of the present state where it is sheared. Candidates are looked for anew
-    /// where they are next needed.
+    /// Gives the contact centrelines the tangents of the present state where it is sheared. Candidates are looked for
+    /// anew where they are next needed.
     pub(in crate::solve) fn take_tangents(&mut self) {
         let taken = self.contact.is_some().then(|| self.tangents_of(&self.state));
         self.contact.iter_mut().zip(taken).for_each(|(side, taken)| side.tangents = taken);
     }
 
-    /// Gives the contact centrelines the tangents of the present state where theirs have become others; whether there are
-    /// any.
+    /// Gives the contact centrelines the tangents of the present state where theirs have become others; whether there
+    /// are any.
     pub(in crate::solve) fn follow_tangents(&mut self) -> bool {
         let Some(side) = &self.contact else { return false };
         let followed = self.replaced(&side.tangents, &self.state);
@@ -124,8 +124,8 @@ mod tests {
         tilted_rings(1, (angle, 0.0), 0.1)
     }
 
-    /// Between nodes the centreline is a circle however sections are tilted, also through the seam; with d3 for its tangents
-    /// it would be up to 0.1 × tilt × spacing beside it.
+    /// Between nodes the centreline is a circle however sections are tilted, also through the seam; with d3 for its
+    /// tangents it would be up to 0.1 × tilt × spacing beside it.
     #[test]
     fn the_centreline_of_a_sheared_ring_is_a_circle() {
         for (angle, seam) in [(0.0, 0.0), (0.5, 0.0), (-0.3, 2.0)] {
@@ -140,7 +140,8 @@ mod tests {
         }
     }
 
-    /// With the reference length for its tangents a stretched ring's centreline would be (λ − 1)(λh)²/8 beside the circle.
+    /// With the reference length for its tangents a stretched ring's centreline would be (λ − 1)(λh)²/8 beside the
+    /// circle.
     #[test]
     fn the_centreline_of_a_stretched_ring_is_a_circle() {
         for (angle, stretch) in [(0.0, 1.2), (0.0, 0.8), (0.4, 1.2), (0.0, 1.0005)] {

@@ -10,8 +10,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::math::Vec3;
 use crate::solve::problem::engine::Engine;
 
-/// Turns the solution `x` of K x = b into that of (K − ½[m×]) x = b; `solve` solves K x = b. Nothing happens without moments or in planar
-/// scenes, where a moment has a potential.
+/// Turns the solution `x` of K x = b into that of (K − ½[m×]) x = b; `solve` solves K x = b. Nothing happens without
+/// moments or in planar scenes, where a moment has a potential.
 pub(crate) fn add_moment_skew(engine: &Engine, x: &mut [f64], mut solve: impl FnMut(&[f64]) -> Vec<f64>) {
     if engine.is_conservative() {
         return;
@@ -42,8 +42,8 @@ pub(crate) fn add_moment_skew(engine: &Engine, x: &mut [f64], mut solve: impl Fn
     }
 }
 
-/// Work of the moments along an increment \[F·L\]. Rotations go about one axis each, so that it is m·θ even where moments
-/// have no potential.
+/// Work of the moments along an increment \[F·L\]. Rotations go about one axis each, so that it is m·θ even where
+/// moments have no potential.
 pub(crate) fn work_of_moments(engine: &Engine, increment: &[f64]) -> f64 {
     let rotation = |node: usize| Vec3::from_column_slice(&increment[6 * node + 3..6 * node + 6]);
     moments(engine).map(|(node, moment)| moment.dot(&rotation(node))).fold(0.0, |sum, work| sum + work)

@@ -1,7 +1,7 @@
 //! Which segments may touch which obstacles: the broad phase of surfaces, one pass over all segments.
 //!
-//! As in the broad phase of strands the list is made for pairs within `range + margin`, holds all within `range`, and is kept while
-//! it does and nothing in it has gone far. A ball about a segment settles most pairs.
+//! As in the broad phase of strands the list is made for pairs within `range + margin`, holds all within `range`, and
+//! is kept while it does and nothing in it has gone far. A ball about a segment settles most pairs.
 
 use std::ops::Range;
 
@@ -29,8 +29,8 @@ impl NearSurfaces {
         self.generation
     }
 
-    /// Renews the list if a pair within `range` \[L\] of touching is not in it, or one that is in it is farther than when it was
-    /// made by another `margin`.
+    /// Renews the list if a pair within `range` \[L\] of touching is not in it, or one that is in it is farther than
+    /// when it was made by another `margin`.
     pub(crate) fn update(
         &mut self,
         (set, surfaces): (&CurveSet, &[Surface]),
@@ -120,8 +120,9 @@ mod tests {
         ]
     }
 
-    /// All pairs within the range by points of the curves are listed, and none that the list would not be made for with twice the
-    /// margin; changes of pairs that nothing couples are not counted. The last strand comes from afar, to a list without pairs.
+    /// All pairs within the range by points of the curves are listed, and none that the list would not be made for with
+    /// twice the margin; changes of pairs that nothing couples are not counted. The last strand comes from afar, to a
+    /// list without pairs.
     #[test]
     fn the_list_holds_what_is_near_by_points() {
         let sphere = surfaces(false)[1..2].to_vec();

@@ -169,8 +169,9 @@ pub(crate) fn lifted(engine: &Engine, state: &State, drive: &PrescribedMotion) -
     Lifted { state, drive: left, spun }
 }
 
-/// Turns the seam of a closed rod by `angle` and spreads the twist evenly: frames spin about their own d3, the centreline
-/// and with it all contact stay as they are. Exact equilibrium of an isotropic ring, a good start for others.
+/// Turns the seam of a closed rod by `angle` and spreads the twist evenly: frames spin about their own d3, the
+/// centreline and with it all contact stay as they are. Exact equilibrium of an isotropic ring, a good start for
+/// others.
 pub(in crate::solve) fn twist(engine: &Engine, state: &mut State, rod: usize, angle: f64) {
     state.seams[rod] += angle;
     seam_shares(engine, rod).for_each(|(node, share)| state.spin_frame(node, angle * share));

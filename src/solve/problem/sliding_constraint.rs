@@ -1,4 +1,5 @@
-//! The constraint that holds the neutral sliding of a uniform closed rod along itself: a row and column that border the tangent.
+//! The constraint that holds the neutral sliding of a uniform closed rod along itself: a row and column that border the
+//! tangent.
 
 /// The constraint c with its response K⁻¹c.
 #[derive(Debug)]

@@ -29,8 +29,8 @@ pub(crate) mod as_list {
     }
 }
 
-/// Positions and frames of all nodes (rod after rod), seams and load levels. Only the problem makes one from nothing; others
-/// make it from another state. [`Engine`](crate::solve::Engine) keeps joined nodes together in what it takes.
+/// Positions and frames of all nodes (rod after rod), seams and load levels. Only the problem makes one from nothing;
+/// others make it from another state. [`Engine`](crate::solve::Engine) keeps joined nodes together in what it takes.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
@@ -132,8 +132,8 @@ impl State {
         next
     }
 
-    /// This state with nodes at these places \[L\], which are exact; their number may be another. What supports hold and joints
-    /// join is for the caller to keep: the solver refuses a state with parted joints.
+    /// This state with nodes at these places \[L\], which are exact; their number may be another. What supports hold
+    /// and joints join is for the caller to keep: the solver refuses a state with parted joints.
     #[must_use]
     pub fn with_nodes(&self, positions: Vec<Vec3>, frames: Vec<Quat>) -> Self {
         let remainders = vec![Vec3::zeros(); positions.len()];

@@ -1,18 +1,19 @@
 //! Supports that hold rotation about one axis alone: joints of constant velocity.
 //!
 //! Rotations about the two other axes do not commute, so "no increment turns about the axis" would be no support: a
-//! section that tilts round a cone comes back turned by the cone's solid angle, and lets twist out. So a function of the
-//! orientation is held. Let the unit quaternion (q₀, v) be the rotation of the section since the rod was
-//! made, and e the axis. The support holds
+//! section that tilts round a cone comes back turned by the cone's solid angle, and lets twist out. So a function of
+//! the orientation is held. Let the unit quaternion (q₀, v) be the rotation of the section since the rod was made, and
+//! e the axis. The support holds
 //!
 //! ```text
 //! v·e = 0        the rotation vector has no component along e
 //! ```
 //!
 //! like a homokinetic joint: the turning it lets through about e on one side goes on about the tilted axis
-//! on the other. A spin δw changes v·e by ½ c·δw with c = q₀ e + v × e, a unit vector halfway between the axis and where
-//! it was tilted to. The orientations that are allowed are a great sphere, so rotations about axes across c stay on it:
-//! the two rotations left are those of the plane across c, and nothing has to be put right after a step but rounding.
+//! on the other. A spin δw changes v·e by ½ c·δw with c = q₀ e + v × e, a unit vector halfway between the axis and
+//! where it was tilted to. The orientations that are allowed are a great sphere, so rotations about axes across c stay
+//! on it: the two rotations left are those of the plane across c, and nothing has to be put right after a step but
+//! rounding.
 
 use std::borrow::Cow;
 
@@ -121,8 +122,8 @@ impl Bases {
         Some(&self.of_nodes[at].2)
     }
 
-    /// Moves the forces and moments on joined nodes, six numbers a node, to the owners of the unknowns. Of moments on hinged nodes
-    /// each keeps that about the axis.
+    /// Moves the forces and moments on joined nodes, six numbers a node, to the owners of the unknowns. Of moments on
+    /// hinged nodes each keeps that about the axis.
     pub(crate) fn give_to_masters(&self, sharing: &Sharing, forces: &mut [f64]) {
         for node in sharing.followers.iter().map(|follower| follower.node) {
             let owner = &sharing.owner[node];

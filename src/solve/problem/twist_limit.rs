@@ -28,9 +28,9 @@ impl Engine {
         Ok(())
     }
 
-    /// Refuses turns of seams and [spins](crate::solve::load_step::predictor::lifted) of nodes that could take some pair of
-    /// neighbouring nodes farther than an accepted state may have them: spread over the rod at once, they could go past
-    /// half a turn unseen.
+    /// Refuses turns of seams and [spins](crate::solve::load_step::predictor::lifted) of nodes that could take some
+    /// pair of neighbouring nodes farther than an accepted state may have them: spread over the rod at once, they could
+    /// go past half a turn unseen.
     pub(crate) fn check_spun(&self, seams: &[f64], spun: &[(usize, f64)]) -> Result<(), SolveError> {
         let per_segment = |angle: f64, segments: usize| angle.abs() / TAU / segments as f64;
         let of_seams = seams.iter().enumerate().map(|(rod, &angle)| {

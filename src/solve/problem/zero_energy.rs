@@ -9,9 +9,9 @@
 //! Sliding is neutral for the continuous rod only: the discrete energy has a ripple of the size of the discretisation
 //! error, and following it would move the whole rod by up to half an element for nothing. So sliding is held by a
 //! constraint on the increment, and the ripple's force, the residual along the sliding motion, is no part of the
-//! residual. Contact does no work on any of these motions. Where rods are sheared it seems to, because the tangents of the
-//! contact centrelines are held in the nodes' frames (`contact_tangents`), so a spin turns them: that force is no part of the residual
-//! either.
+//! residual. Contact does no work on any of these motions. Where rods are sheared it seems to, because the tangents of
+//! the contact centrelines are held in the nodes' frames (`contact_tangents`), so a spin turns them: that force is no
+//! part of the residual either.
 //!
 //! Supports leave combinations of these motions where they hold less than there are: see [`Supports`]. Several rods:
 //! see [`Several`].
@@ -41,9 +41,9 @@ pub(super) const TOLERANCE: f64 = 1e-3;
 mod hinged;
 mod several;
 
-/// Square of a motion where a rod is held, over the largest, below which supports let it pass: ends that are coaxial but
-/// for the last digits of a file would leave a motion that costs a ten millionth of the energy, and searches end neither
-/// in its valley nor on its ridge.
+/// Square of a motion where a rod is held, over the largest, below which supports let it pass: ends that are coaxial
+/// but for the last digits of a file would leave a motion that costs a ten millionth of the energy, and searches end
+/// neither in its valley nor on its ridge.
 const PASSES: f64 = 1e-12;
 
 /// Whether no support holds a component of a rod's nodes, and no joint.
@@ -60,7 +60,8 @@ pub(crate) fn is_falling(engine: &Engine, rod: usize) -> bool {
     engine.bears_loads(rod) && is_free(engine, rod)
 }
 
-/// Whether a rod's supports, or those of nodes that are joined to its own, let none of its motions pass, on the face of it.
+/// Whether a rod's supports, or those of nodes that are joined to its own, let none of its motions pass, on the face of
+/// it.
 fn holds_all(engine: &Engine, rod: usize) -> bool {
     let is_clamped = |node: usize| (0..6).all(|k| engine.is_held(node, k));
     !engine.model.rods[rod].closed && engine.nodes(rod).any(is_clamped)
@@ -129,7 +130,8 @@ fn motion(nodes: impl Iterator<Item = usize>, of_node: impl Fn(usize) -> (Vec3, 
     nodes.flat_map(six).collect()
 }
 
-/// Rigid motions of some nodes, in the plane those that stay in it; of these those that keep gaps to surfaces as they are.
+/// Rigid motions of some nodes, in the plane those that stay in it; of these those that keep gaps to surfaces as they
+/// are.
 fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize], surfaces: &[Surface]) -> Vec<Vec<f64>> {
     let centre = nodes.iter().map(|n| state.positions[*n]).sum::<Vec3>() / nodes.len() as f64;
     let planar = engine.model.planar;
@@ -147,11 +149,12 @@ fn rigid_motions(engine: &Engine, state: &State, nodes: &[usize], surfaces: &[Su
     rigid.iter().map(of_all).collect()
 }
 
-/// Rigid motions, by the velocity of a centre and a rotation vector, that move surfaces along themselves only. A velocity v and
-/// a rotation vector, times a length, count alike.
+/// Rigid motions, by the velocity of a centre and a rotation vector, that move surfaces along themselves only. A
+/// velocity v and a rotation vector, times a length, count alike.
 ///
-/// A plane is moved along itself if v·n = 0 and ω ∥ n, a sphere if its centre stays, a cylinder if its axis stays on its
-/// line, a capsule if it does and its ends stay: each is some combinations of v and ω that must vanish, and the motions left are a null space.
+/// A plane is moved along itself if v·n = 0 and ω ∥ n, a sphere if its centre stays, a cylinder if its axis stays on
+/// its line, a capsule if it does and its ends stay: each is some combinations of v and ω that must vanish, and the
+/// motions left are a null space.
 fn left_by_surfaces(surfaces: &[Surface], (centre, length): (&Vec3, f64), planar: bool) -> Vec<[Vec3; 2]> {
     let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
     let mut normal = nalgebra::Matrix6::<f64>::zeros();
@@ -270,10 +273,10 @@ fn is_loaded(engine: &Engine, state: &State, nodes: &[usize], motion: &[f64]) ->
     })
 }
 
-/// A basis of those combinations of motions, whose displacements are those of rigid bodies, that dead loads leave alone:
-/// forces F do no work on them at once, Σ F·v = 0, nor as they go on together with any other, Σ F·½(ω × v' + ω' × v) =
-/// 0, and no node that bears a moment turns. Along the others potential and search descend. Where a part turns within what moves
-/// as a whole, it goes on by Σ F·(ω × v'), v' that of the part.
+/// A basis of those combinations of motions, whose displacements are those of rigid bodies, that dead loads leave
+/// alone: forces F do no work on them at once, Σ F·v = 0, nor as they go on together with any other, Σ F·½(ω × v' + ω'
+/// × v) = 0, and no node that bears a moment turns. Along the others potential and search descend. Where a part turns
+/// within what moves as a whole, it goes on by Σ F·(ω × v'), v' that of the part.
 fn left_alone(
     engine: &Engine,
     state: &State,
@@ -399,8 +402,8 @@ impl Supports {
         Some(motion)
     }
 
-    /// Brings motions to a radian, or to the model's length, where they are largest: those by a unit of length would count for
-    /// more or for less beside rotations in another unit.
+    /// Brings motions to a radian, or to the model's length, where they are largest: those by a unit of length would
+    /// count for more or for less beside rotations in another unit.
     fn size(&self, motions: &mut [Vec<f64>]) {
         let weight = |i: usize| if i % 6 < 3 { self.scale } else { 1.0 };
         for motion in motions {
@@ -422,8 +425,8 @@ impl Supports {
         soft.filter_map(|motion| self.passing(motion, largest)).collect()
     }
 
-    /// `motion` with as much of the others, of one [size](Self::size), as it takes to move nothing that is held; none if they
-    /// cannot do that.
+    /// `motion` with as much of the others, of one [size](Self::size), as it takes to move nothing that is held; none
+    /// if they cannot do that.
     fn let_pass(&self, mut motion: Vec<f64>, others: &[Vec<f64>]) -> Option<Vec<f64>> {
         if others.is_empty() {
             return self.passing(motion, 1.0);
@@ -450,10 +453,10 @@ impl ZeroEnergyModes {
         Self { is_sheared, several, ..Self::default() }
     }
 
-    /// The neutral motions of a model that is a single rod, which touches obstacles as given: all of them if it is free; if it is held somewhere, those
-    /// that its supports let pass and loads do no work on (a closed rod clamped at one node travels along its own shape
-    /// through the clamp, and swings about the tangent there; one twisted between coaxial clamps turns about their axis
-    /// while it spins back). None otherwise.
+    /// The neutral motions of a model that is a single rod, which touches obstacles as given: all of them if it is
+    /// free; if it is held somewhere, those that its supports let pass and loads do no work on (a closed rod clamped at
+    /// one node travels along its own shape through the clamp, and swings about the tangent there; one twisted between
+    /// coaxial clamps turns about their axis while it spins back). None otherwise.
     fn of(engine: &Engine, state: &State, surface_contacts: &[SurfaceContact]) -> Self {
         if engine.model.rods.len() != 1 {
             return Self::default();
@@ -549,8 +552,8 @@ impl ZeroEnergyModes {
         let is_pinned = |index: &usize| is_free(engine, *index) && !falls(index);
         for (index, rod) in engine.model.rods.iter().enumerate().filter(|(index, _)| is_pinned(index)) {
             let alone = if is_single { !self.on_obstacles } else { self.several.anchors.binary_search(&index).is_ok() };
-            // of several free rods that touch, all but one, and those that touch obstacles: contact may resist their rigid
-            // motions, and weak springs shorten steps only a little
+            // of several free rods that touch, all but one, and those that touch obstacles: contact may resist their
+            // rigid motions, and weak springs shorten steps only a little
             let factor = if alone { 1.0 } else { NOTHING };
             let spacing = rod.spacing();
             let spring = rod.section.bending[0] / spacing.powi(3);
@@ -612,7 +615,8 @@ pub(crate) enum Generator {
     Sliding,
 }
 
-/// Motions by name of a model that is a single free rod which bears no loads; none of others. Sliding may depend on those before it.
+/// Motions by name of a model that is a single free rod which bears no loads; none of others. Sliding may depend on
+/// those before it.
 pub(crate) fn generators(engine: &Engine, state: &State) -> Vec<(Generator, Vec<f64>)> {
     let is_alone = engine.model.rods.len() == 1 && engine.model.obstacles.is_empty();
     if !is_alone || !is_free(engine, 0) || is_falling(engine, 0) {
@@ -658,7 +662,8 @@ fn weighted(weights: [f64; 2], a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).enumerate().map(|(i, (x, y))| weights[usize::from(i % 6 >= 3)] * x * y).sum()
 }
 
-/// Size below which a combination of motions is none: a straight rod between coaxial clamps turns back as much as it turns.
+/// Size below which a combination of motions is none: a straight rod between coaxial clamps turns back as much as it
+/// turns.
 fn least_size<'a>(weights: [f64; 2], motions: impl Iterator<Item = &'a Vec<f64>>) -> f64 {
     let size = |motion: &Vec<f64>| weighted(weights, motion, motion).sqrt();
     TOLERANCE * motions.map(size).fold(f64::INFINITY, f64::min)

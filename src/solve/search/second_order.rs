@@ -40,8 +40,9 @@ impl Engine {
         self.add_surfaces_of(residual, (state, increment), forces, |now, linear| now - linear);
     }
 
-    /// Adds to `forces` Σ k e ∂gap/∂x of the contacts of `residual` with obstacles, e made of the change of the gap at each
-    /// point in contact up to where contact now is, and of the linear one that `increment` predicts from `state` \[L\].
+    /// Adds to `forces` Σ k e ∂gap/∂x of the contacts of `residual` with obstacles, e made of the change of the gap at
+    /// each point in contact up to where contact now is, and of the linear one that `increment` predicts from `state`
+    /// \[L\].
     fn add_surfaces_of(
         &self,
         residual: &Residual,

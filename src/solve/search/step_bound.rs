@@ -466,8 +466,8 @@ mod tests {
         }
     }
 
-    /// Rods around a thin post, and inside a tube and a ball, moved by steps that would take them far through, past it or round
-    /// it: every point stays on its side all along the part that is allowed, and sliding round is free.
+    /// Rods around a thin post, and inside a tube and a ball, moved by steps that would take them far through, past it
+    /// or round it: every point stays on its side all along the part that is allowed, and sliding round is free.
     #[test]
     fn no_step_takes_a_strand_through_a_curved_surface() {
         let radius = 0.01;
@@ -522,8 +522,8 @@ mod tests {
         }
     }
 
-    /// A ring that a body threads, carried by the end of a rod that moves and turns by itself, or while the ring does: no point of
-    /// the ring comes nearer than it may, all along the part that is allowed.
+    /// A ring that a body threads, carried by the end of a rod that moves and turns by itself, or while the ring does:
+    /// no point of the ring comes nearer than it may, all along the part that is allowed.
     #[test]
     fn no_step_takes_a_carried_body_through_a_strand() {
         let (radius, size) = (0.01, 1.0 / TAU);

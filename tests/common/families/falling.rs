@@ -48,7 +48,8 @@ pub fn falling(draft: &mut Draft, random: &mut Random) {
                 let turns = short(random.between(0.2, 0.8));
                 let tangent = Vec3::new(1.0, 0.1, slant);
                 let arc = format!(
-                    "kind = \"arc\", radius = 0.25, turns = {turns:?}, start = {}, tangent = {}, towards = [0.0, 1.0, 0.1]",
+                    "kind = \"arc\", radius = 0.25, turns = {turns:?}, start = {}, tangent = {}, towards = [0.0, 1.0, \
+                     0.1]",
                     list(&aside),
                     list(&tangent)
                 );

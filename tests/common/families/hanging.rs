@@ -1,5 +1,5 @@
-//! Rods under their weight that hang from points: pendulums, ropes between hooks, rings on nails and on pegs, mobiles of
-//! joined rods; and stacks of rods exactly along the axes, which lie on a table.
+//! Rods under their weight that hang from points: pendulums, ropes between hooks, rings on nails and on pegs, mobiles
+//! of joined rods; and stacks of rods exactly along the axes, which lie on a table.
 
 use supercoil::math::Vec3;
 

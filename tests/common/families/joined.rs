@@ -56,8 +56,8 @@ pub fn joined(draft: &mut Draft, random: &mut Random) {
     }
 }
 
-/// Three to six links along x, between two hooks or from one; all joints alike in half of them. Places of links are multiples of a
-/// half, so that their ends meet exactly.
+/// Three to six links along x, between two hooks or from one; all joints alike in half of them. Places of links are
+/// multiples of a half, so that their ends meet exactly.
 fn chain(draft: &mut Draft, random: &mut Random, (material, more): (&Material, &[&str])) {
     let count = 3 + random.below(4);
     let (alike, one) = (random.chance(0.5), kind(random));
@@ -107,7 +107,8 @@ fn mobile(draft: &mut Draft, random: &mut Random, (material, more): (&Material, 
     }
 }
 
-/// Two columns with a beam between them, a force at a corner: feet clamped or pinned about an axis, corners joined by any kind.
+/// Two columns with a beam between them, a force at a corner: feet clamped or pinned about an axis, corners joined by
+/// any kind.
 fn frame(draft: &mut Draft, random: &mut Random, (material, more): (&Material, &[&str])) {
     let (left, right) = (Vec3::zeros(), Vec3::x() * 0.75);
     for (name, foot) in [("left", left), ("right", right)] {

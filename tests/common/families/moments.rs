@@ -10,8 +10,8 @@ use super::material::Material;
 
 const ROD: &str = "\"rod\"";
 
-/// A cantilever that a moment at its tip, with or without a force, rolls up onto itself or bends onto a beam beside it; or
-/// one whose tip is held in its place, under a moment anywhere.
+/// A cantilever that a moment at its tip, with or without a force, rolls up onto itself or bends onto a beam beside it;
+/// or one whose tip is held in its place, under a moment anywhere.
 pub fn moments(draft: &mut Draft, random: &mut Random) {
     let radius = random.log_between(0.003, 0.02);
     let material = Material::isotropic(random, radius);

@@ -103,7 +103,8 @@ pub fn paths(draft: &mut Draft, random: &mut Random) {
         let turns = short(random.between(0.1, 0.6));
         let bend = 1.0 / (TAU * turns);
         let shape = format!(
-            "kind = \"arc\", radius = {bend:?}, turns = {turns:?}, start = [0, 0, 0], tangent = [1, 0, 0], towards = [0, 1, 0]"
+            "kind = \"arc\", radius = {bend:?}, turns = {turns:?}, start = [0, 0, 0], tangent = [1, 0, 0], towards = \
+             [0, 1, 0]"
         );
         draft.rod("rod", (&shape, 1.0), &material, &[]);
         let angle = TAU * turns;

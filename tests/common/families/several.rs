@@ -73,7 +73,8 @@ pub fn cables(draft: &mut Draft, random: &mut Random) {
     let names: Vec<String> = (0..count).map(|k| format!("wire{k}")).collect();
     for (name, start) in names.iter().zip(&starts) {
         draft.line(&format!(
-            "[[rods]]\nname = \"{name}\"\nshape = {{ kind = \"line\", start = {}, direction = [0, 0, 1], length = {length:?} }}",
+            "[[rods]]\nname = \"{name}\"\nshape = {{ kind = \"line\", start = {}, direction = [0, 0, 1], length = \
+             {length:?} }}",
             list(start)
         ));
         draft.line(&format!(

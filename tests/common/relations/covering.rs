@@ -1,8 +1,9 @@
 //! A covering array: few scenes in which any two values of different axes occur together, where that is possible.
 //!
-//! Greedy, after Cohen, Dalal, Fredman & Patton (1997), IEEE Trans. Softw. Eng. 23:437: each scene begins with a pair that
-//! is missing still, and takes on axis after axis the value that completes the most missing pairs, in as many random orders
-//! of axes as there are attempts. Combinations that are refused are left by backtracking, so that every scene is legal.
+//! Greedy, after Cohen, Dalal, Fredman & Patton (1997), IEEE Trans. Softw. Eng. 23:437: each scene begins with a pair
+//! that is missing still, and takes on axis after axis the value that completes the most missing pairs, in as many
+//! random orders of axes as there are attempts. Combinations that are refused are left by backtracking, so that every
+//! scene is legal.
 
 use std::collections::BTreeSet;
 
@@ -35,7 +36,8 @@ impl Rules {
         !self.0.iter().any(applies)
     }
 
-    /// A legal scene with the values of `partial`, the others as `order` prefers: for each axis its values, the best first.
+    /// A legal scene with the values of `partial`, the others as `order` prefers: for each axis its values, the best
+    /// first.
     pub fn complete(&self, partial: Partial, order: &[(usize, Vec<usize>)]) -> Option<Features> {
         if !self.allow(&partial) {
             return None;

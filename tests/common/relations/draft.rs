@@ -289,14 +289,15 @@ impl<'a> Writer<'a> {
         let ga = short(0.4 * ea);
         let round = |b: f64, radius: f64| {
             format!(
-                "section = {{ bending = {b}, twisting = {}, stretching = {ea}, shearing = {ga}, contact_radius = {radius} }}",
+                "section = {{ bending = {b}, twisting = {}, stretching = {ea}, shearing = {ga}, contact_radius = \
+                 {radius} }}",
                 short(0.8 * b)
             )
         };
         match () {
             () if self.has("anisotropic") => format!(
-                "section = {{ bending = [{b}, {}], twisting = {}, stretching = {ea}, shearing = [{ga}, {}], contact_radius \
-                 = {radius} }}",
+                "section = {{ bending = [{b}, {}], twisting = {}, stretching = {ea}, shearing = [{ga}, {}], \
+                 contact_radius = {radius} }}",
                 short(1.8 * b),
                 short(0.9 * b),
                 short(0.6 * ea)
@@ -324,7 +325,8 @@ impl<'a> Writer<'a> {
                 "section = { table = \"section.csv\" }".to_owned()
             }
             () if self.has("sequence") => format!(
-                "section = {{ contact_radius = {radius} }}\nsequence = {{ letters = \"{}\", steps = \"protein-dna-1998\" }}",
+                "section = {{ contact_radius = {radius} }}\n\
+                 sequence = {{ letters = \"{}\", steps = \"protein-dna-1998\" }}",
                 self.letters
             ),
             () => round(b, radius),
@@ -374,7 +376,8 @@ impl<'a> Writer<'a> {
         let (b, ea, length) = (self.bending, self.stretching(), self.length);
         let section = |radius: f64| {
             format!(
-                "section = {{ bending = {b}, twisting = {}, stretching = {ea}, shearing = {}, contact_radius = {radius} }}",
+                "section = {{ bending = {b}, twisting = {}, stretching = {ea}, shearing = {}, contact_radius = \
+                 {radius} }}",
                 short(0.7 * b),
                 short(0.5 * ea)
             )
@@ -536,7 +539,10 @@ impl<'a> Writer<'a> {
         if self.has("hold") {
             let at = self.arc(0.25);
             let back = self.ramp(0.5, &numbers);
-            self.line(&format!("[[stages]]\nramp = {{ {back} }}\nhold = [{{ rod = \"a\", at = {at}, position = true, rotation = true }}]"));
+            self.line(&format!(
+                "[[stages]]\nramp = {{ {back} }}\n\
+                hold = [{{ rod = \"a\", at = {at}, position = true, rotation = true }}]"
+            ));
         }
         if self.has("release") {
             let ((rod, at), [position, rotation]) = match self.held() {

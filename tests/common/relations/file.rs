@@ -189,7 +189,8 @@ fn rod_text(rod: &Rod, stem: &str, index: usize, tables: &mut Vec<(String, Strin
     } else {
         let _ = writeln!(
             out,
-            "section = {{ bending = {:?}, twisting = {:?}, stretching = {:?}, shearing = {:?}, contact_radius = {radius:?} }}",
+            "section = {{ bending = {:?}, twisting = {:?}, stretching = {:?}, shearing = {:?}, contact_radius = \
+             {radius:?} }}",
             section.bending, section.twisting, section.stretching, section.shearing
         );
     }

@@ -1,5 +1,5 @@
-//! Relations that do not hold yet, each with the mechanism. A test fails where one that is listed holds, so that the list
-//! shrinks.
+//! Relations that do not hold yet, each with the mechanism. A test fails where one that is listed holds, so that the
+//! list shrinks.
 
 use super::relation::Relation;
 
@@ -15,7 +15,8 @@ pub const KNOWN: &[Known] = &[
     Known {
         relation: Relation::Converges,
         scenes: &["030"],
-        reason: "an open rod falls across a clamped one onto a floor, tips and slides off: the search leaves the floor behind",
+        reason: "an open rod falls across a clamped one onto a floor, tips and slides off: the search leaves the \
+            floor behind",
     },
     Known {
         relation: Relation::Steps,
@@ -26,19 +27,20 @@ pub const KNOWN: &[Known] = &[
     Known {
         relation: Relation::Converges,
         scenes: &["127"],
-        reason: "24 linear elements overlap by 6.5e-2 contact radii between nodes, beyond what the certificate lets pass as the \
-                 mesh's resolution",
+        reason: "24 linear elements overlap by 6.5e-2 contact radii between nodes, beyond what the certificate lets \
+            pass as the mesh's resolution",
     },
     Known {
         relation: Relation::File,
         scenes: &["058"],
-        reason: "a ring falls onto a clamped rod and a floor: 546 iterations, or with other last bits the search runs away",
+        reason: "a ring falls onto a clamped rod and a floor: 546 iterations, or with other last bits the search runs \
+            away",
     },
     Known {
         relation: Relation::FinerLinear,
         scenes: &["023", "142"],
-        reason: "the tension of a rod between clamps is EA times a strain, and linear elements have that to second order: it \
-                 falls to a quarter with each doubling",
+        reason: "the tension of a rod between clamps is EA times a strain, and linear elements have that to second \
+            order: it falls to a quarter with each doubling",
     },
     Known { relation: Relation::Finer, scenes: &["093"], reason: "the same for quadratic elements" },
     Known {

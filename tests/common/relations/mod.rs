@@ -2,7 +2,8 @@
 //!
 //! `axes` names the features and the combinations that are refused, `covering` chooses scenes in which every other pair
 //! occurs, `draft` writes them as files. `relation` changes each and compares; `motion` has the changes, `measure` the
-//! comparison, `file` any problem as a file, `work` the energy balance. `known` lists what fails for now, `tally` counts.
+//! comparison, `file` any problem as a file, `work` the energy balance. `known` lists what fails for now, `tally`
+//! counts.
 
 #![allow(dead_code)] // the bench and the test use their parts
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests

@@ -1,5 +1,5 @@
-//! Models changed in ways that leave the physics alone: turned, mirrored, shifted, in other units, in another order, with an
-//! idle rod, cut and joined. Each comes with the way back from its numbers to those of the first model.
+//! Models changed in ways that leave the physics alone: turned, mirrored, shifted, in other units, in another order,
+//! with an idle rod, cut and joined. Each comes with the way back from its numbers to those of the first model.
 
 use supercoil::math::{Mat3, Quat, Vec3};
 use supercoil::rod::{Natural, NaturalStrains, Rod, RodMesh, RodNumber, Section, Shape};
@@ -254,8 +254,8 @@ const THICKER: f64 = 1.5;
 /// Bending stiffness of the idle rod over that of the stiffest, so that it stays stiffer where stiffness is ramped.
 const STIFFER: f64 = 2.0;
 
-/// With a clamped, straight, unloaded rod far away and above all planes, before all others. It is thicker and stiffer than the
-/// thickest and stiffest, and meshed as finely, so that the contact law is the same.
+/// With a clamped, straight, unloaded rod far away and above all planes, before all others. It is thicker and stiffer
+/// than the thickest and stiffest, and meshed as finely, so that the contact law is the same.
 pub fn with_idle_rod(problem: &Problem) -> Variant {
     let rods = &problem.model.rods;
     let most = |of: &dyn Fn(&Rod) -> f64| rods.iter().map(of).fold(0.0, f64::max);
@@ -284,8 +284,8 @@ pub fn with_idle_rod(problem: &Problem) -> Variant {
     out
 }
 
-/// The first rod, uniform and without contact, cut in two at an element and joined; a ring cut at its seam. `None` where
-/// that does not make the same problem.
+/// The first rod, uniform and without contact, cut in two at an element and joined; a ring cut at its seam. `None`
+/// where that does not make the same problem.
 pub fn cut(problem: &Problem) -> Option<Variant> {
     let (model, rod) = (&problem.model, &problem.model.rods[0]);
     let uniform = rod.stiffness.is_none() && rod.contact_radii.is_none();

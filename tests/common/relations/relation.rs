@@ -94,17 +94,18 @@ impl Relation {
 
     /// Largest difference of a quantity for which two states agree, without and with contact that bears a force.
     pub fn tolerance(self, quantity: Quantity, bears: bool) -> f64 {
-        // of a state that is exact but for Newton's last increment, 1e-8 of the spacing of nodes: what is quadratic in it is
-        // far below; a force that stretches a rod is not, EA times as large, 4e3 B/L² here. With contact searches end when
-        // forces are in balance to 1e-4 of the largest contact force, each of the two
+        // of a state that is exact but for Newton's last increment, 1e-8 of the spacing of nodes: what is quadratic in
+        // it is far below; a force that stretches a rod is not, EA times as large, 4e3 B/L² here. With contact searches
+        // end when forces are in balance to 1e-4 of the largest contact force, each of the two
         let increment = if bears { [2e-4, 1e-5, 2e-4, 2e-4, 1e-5] } else { [1e-7, 1e-7, 1e-5, 1e-5, 1e-7] };
         let [energy, position, reaction, contact, link] = match self {
             Self::Converges => [0.0; 5],
-            // the error of the trapezoidal rule with 12 steps a stage, extrapolated but for the step in which contact begins
+            // the error of the trapezoidal rule with 12 steps a stage, extrapolated but for the step in which contact
+            // begins
             Self::Work if bears => [1e-2; 5],
             Self::Work => [1e-3; 5],
-            // the error of the coarser mesh, on which neighbouring nodes turn by a tenth of a radian and contact moves by a
-            // part of a segment; linear elements have an error of second order
+            // the error of the coarser mesh, on which neighbouring nodes turn by a tenth of a radian and contact moves
+            // by a part of a segment; linear elements have an error of second order
             Self::Finer => [1e-2, 1e-2, 2e-2, 2e-2, 1e-2],
             Self::FinerLinear => [5e-2, 2e-2, 1e-1, 1e-1, 5e-2],
             // parts of what both presets state
@@ -255,7 +256,8 @@ impl Judge<'_> {
                 }
             }
             Relation::Finer | Relation::FinerLinear => {
-                // elements of closed sequences are longer than steps, and smear their natural strains otherwise on each mesh
+                // elements of closed sequences are longer than steps, and smear their natural strains otherwise on each
+                // mesh
                 let is_smeared = self.draft.has("sequence") && self.draft.has("closed");
                 if !is_smeared && (relation == Relation::FinerLinear) == self.draft.has("linear") {
                     self.finer(relation, dir);

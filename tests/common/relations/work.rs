@@ -4,8 +4,8 @@
 //! E(1) − E(0) = Σ ½ (F₀ + F₁)·Δx + ½ (M₀ + M₁)·Δφ        over steps, supports, loads and seams
 //! ```
 //!
-//! F and M are reactions, dead loads or the moment of a seam, Δx and Δφ the motion of their node between two states. The
-//! trapezoidal rule errs by the square of the step: runs of n and 2n steps are extrapolated.
+//! F and M are reactions, dead loads or the moment of a seam, Δx and Δφ the motion of their node between two states.
+//! The trapezoidal rule errs by the square of the step: runs of n and 2n steps are extrapolated.
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -38,8 +38,8 @@ struct Pull {
     moment: Vec3,
 }
 
-/// Part of the work that is not in the energy, or of an energy `least` where work is less; `None` where the first stage already does work in another way, or a step
-/// jumps.
+/// Part of the work that is not in the energy, or of an energy `least` where work is less; `None` where the first stage
+/// already does work in another way, or a step jumps.
 pub fn missing(problem: &Problem, least: f64) -> Option<f64> {
     let is_whole = |stage: &&Stage| stage.supports.is_empty() && stage.ramps.iter().all(is_followed);
     let stages: Vec<Stage> = problem.stages.iter().take_while(is_whole).cloned().collect();

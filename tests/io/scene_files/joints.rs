@@ -22,8 +22,9 @@ fn joined_halves_bend_like_the_whole() {
     assert!(read(&loose).unwrap_err().to_string().contains("rods.far: loads[0] acts on it"));
     let clamp = &loose[loose.find("[[supports]]").unwrap()..loose.find("[[loads]]").unwrap()];
     let whole = format!(
-        "contact = {{ law = \"none\" }}\n[[rods]]\nshape = {{ kind = \"line\", length = 2.0 }}\nsection = {{ bending = 1.0, \
-         twisting = 1.0, stretching = 1e4, shearing = 1e4 }}\nelements = 8\n{clamp}[[loads]]{loads}"
+        "contact = {{ law = \"none\" }}\n[[rods]]\nshape = {{ kind = \"line\", length = 2.0 }}\n\
+         section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4 }}\nelements = 8\n\
+         {clamp}[[loads]]{loads}"
     );
     let whole = read(&whole.replace("rod = \"near\"", "").replace("rod = \"far\"", "")).unwrap();
     assert_eq!(whole.model.rods[0].name, "rod");
@@ -116,7 +117,8 @@ fn joints_are_rigid_pins_or_hinges() {
     let message = read(&pinned.replacen("force =", "moment = [0, 10, 0]\nforce =", 1)).unwrap_err().to_string();
     assert!(message.contains("rods.far: loads[0] turns it about the axis (0, 1, 0)"), "{message}");
     // supports at a hinge hold all rotations or none
-    let partly = "[[supports]]\nrod = \"far\"\nat = \"start\"\nrotation = [\"x\", \"y\"]\n[[joints]]\nkind = \"hinge\"\naxis = [0, 0, 1]";
+    let partly = "[[supports]]\nrod = \"far\"\nat = \"start\"\nrotation = [\"x\", \"y\"]\n[[joints]]\n\
+        kind = \"hinge\"\naxis = [0, 0, 1]";
     let message = read(&HALVES.replacen("[[joints]]", partly, 1)).unwrap_err().to_string();
     assert!(message.contains("joints[0]: rod \"") && message.contains("hold 2 of three rotations"), "{message}");
 }

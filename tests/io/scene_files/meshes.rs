@@ -55,8 +55,10 @@ fn meshes_foresee_what_a_scene_asks_for() {
     let elements = |shape: &str, rest: &str| {
         let closed = ["circle", "knot", "plectoneme", "closed"].iter().any(|word| shape.contains(word));
         let text = format!(
-            "fidelity = \"balanced\"\n[contact]\nlaw = \"none\"\n[[rods]]\nname = \"a\"\nclosed = {closed}\nshape = {{ {shape} }}\n\
-             section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.01 }}\n{rest}"
+            "fidelity = \"balanced\"\n[contact]\nlaw = \"none\"\n[[rods]]\nname = \"a\"\nclosed = {closed}\n\
+             shape = {{ {shape} }}\n\
+             section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.01 }}\n\
+             {rest}"
         );
         read(&text).unwrap().model.rods[0].num_elements
     };
@@ -69,7 +71,8 @@ fn meshes_foresee_what_a_scene_asks_for() {
     assert_eq!(elements(line, "natural = { curvature = [3.0, 0.0], twist = 4.0 }"), 40);
     let turned = "[[stages]]\nramp = { rotation = { at = \"end\", axis = [1, 0, 0], turns = -7.0 } }\nsteps = 1";
     assert_eq!(elements(line, &format!("{clamps}{turned}")), 56);
-    let moved = "[[stages]]\nramp = { rotation = { at = \"end\", axis = [1, 0, 0], turns = 2.0 }, displacement = { at = \"end\", to = [-1, 0, 0] } }\nsteps = 1";
+    let moved = "[[stages]]\nramp = { rotation = { at = \"end\", axis = [1, 0, 0], turns = 2.0 }, displacement = { at \
+        = \"end\", to = [-1, 0, 0] } }\nsteps = 1";
     assert_eq!(elements(line, &format!("{clamps}{moved}")), 24);
     for (load, turns) in [("force = [0, 0, -4.0]", 2.0 * 1.5f64.sqrt()), ("moment = [0, 3.0, 0]", 4.5)] {
         let loaded = format!("{clamp}[[loads]]\nat = \"end\"\n{load}\n[[stages]]\nramp = {{ load = 1.5 }}\nsteps = 1");

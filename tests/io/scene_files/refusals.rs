@@ -133,7 +133,8 @@ fn ill_posed_scenes_are_refused_with_a_reason() {
     );
     refused(RING, "title", "planar = true\ntitle", &["\"dna\" is in a planar scene"]);
     refused(BEAM, "position = [\"y\"]", "position = false", &["supports[1]: names no component"]);
-    let again = "[[rods]]\nname = \"dna\"\nshape = { kind = \"line\", length = 1 }\nsection = { young = 1, poisson = 0, circle = 1 }\nelements = 1\n[contact]";
+    let again = "[[rods]]\nname = \"dna\"\nshape = { kind = \"line\", length = 1 }\n\
+        section = { young = 1, poisson = 0, circle = 1 }\nelements = 1\n[contact]";
     refused(RING, "[contact]", again, &["rods[1].name = \"dna\": must be a name that no other rod has"]);
 }
 

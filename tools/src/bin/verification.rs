@@ -1,9 +1,9 @@
-//! Runs the tests, slow ones included, and writes what their verification rows say: a row per test file to VERIFICATION.md,
-//! all rows to target/verification.md.
+//! Runs the tests, slow ones included, and writes what their verification rows say: a row per test file to
+//! VERIFICATION.md, all rows to target/verification.md.
 //!
 //! `cargo run -p supercoil-tools --bin verification` for all (a quarter of an hour on two quiet cores),
-//! `cargo run -p supercoil-tools --bin verification -- lee_frame roll_up` for some tests only (to the terminal, without the slow
-//! ones).
+//! `cargo run -p supercoil-tools --bin verification -- lee_frame roll_up` for some tests only (to the terminal, without
+//! the slow ones).
 #![allow(clippy::print_stdout)] // a program talks to its reader
 
 use std::fmt::Write;
@@ -33,20 +33,23 @@ struct Section {
 }
 
 const SUMMARY: &str = "# Verification\n\n\
-    Written by `cargo run -p supercoil-tools --bin verification`; do not edit. One line per test file: its case with the source, the number of \
-    rows that it asserts, and the row nearest to its tolerance. The tool writes all rows to `target/verification.md`; \
-    `cargo test NAME -- --nocapture` prints them with all digits.\n\n\
-    References are closed forms, solutions of the continuous equations (shooting, collocation), or the literature for tight knots. The header of \
-    each test file has source, parameters and units. Where a file computes its reference itself, the method shares nothing with the engine. \
-    Tolerances cover the last digit of the reference, the mesh, and the distance of the case from its limit (finite stiffness, thickness, penalty).\n\n\
-    B, C: bending and twisting stiffness; L length, R radius, D contact diameter, ε contact radius; κ contact stiffness; p order of the elements. \
-    Numbers end one digit below their error. `≈ 0` is no larger than the error.\n";
+    Written by `cargo run -p supercoil-tools --bin verification`; do not edit. One line per test file: its case with \
+    the source, the number of rows that it asserts, and the row nearest to its tolerance. The tool writes all rows to \
+    `target/verification.md`; `cargo test NAME -- --nocapture` prints them with all digits.\n\n\
+    References are closed forms, solutions of the continuous equations (shooting, collocation), or the literature for \
+    tight knots. The header of each test file has source, parameters and units. Where a file computes its reference \
+    itself, the method shares nothing with the engine. Tolerances cover the last digit of the reference, the mesh, \
+    and the distance of the case from its limit (finite stiffness, thickness, penalty).\n\n\
+    B, C: bending and twisting stiffness; L length, R radius, D contact diameter, ε contact radius; κ contact \
+    stiffness; p order of the elements. Numbers end one digit below their error. `≈ 0` is no larger than the error.\n";
 
 const DETAILS: &str = "# Verification, all rows\n\n\
-    Written by `cargo run -p supercoil-tools --bin verification`. Each row is asserted by the test file that heads its table: |measured − reference| ≤ \
-    tolerance. Rows marked *slow* need `--ignored` after the `--`. A row marked **fails** is beyond its tolerance; its test ends there.\n\n\
-    Errors are absolute, rounded up to one digit; `<` marks errors below a hundredth of the tolerance, given to a power of ten. Of rows that \
-    differ in the slenderness L/ε only, the one with the largest error over its tolerance is shown.\n";
+    Written by `cargo run -p supercoil-tools --bin verification`. Each row is asserted by the test file that heads \
+    its table: |measured − reference| ≤ tolerance. Rows marked *slow* need `--ignored` after the `--`. A row marked \
+    **fails** is beyond its tolerance; its test ends there.\n\n\
+    Errors are absolute, rounded up to one digit; `<` marks errors below a hundredth of the tolerance, given to a \
+    power of ten. Of rows that differ in the slenderness L/ε only, the one with the largest error over its tolerance \
+    is shown.\n";
 
 /// Headings, each with its test files; what is in none of them comes last.
 const GROUPS: [(&str, &[&str]); 7] = [

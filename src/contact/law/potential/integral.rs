@@ -118,9 +118,9 @@ struct PairSums<'a, 'b> {
 }
 
 impl PairLaw<'_> {
-    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature w∫dt, w the slave's share, of a piece with the
-    /// parameter t. `add` returns the other parameter. Long pieces are divided into parts shorter than the contact
-    /// distance. Guesses interpolate between the ends of the piece and the parameters returned.
+    /// Calls `add(t, guess of the other parameter, weight)` for the points of the quadrature w∫dt, w the slave's share,
+    /// of a piece with the parameter t. `add` returns the other parameter. Long pieces are divided into parts shorter
+    /// than the contact distance. Guesses interpolate between the ends of the piece and the parameters returned.
     fn integrate(&self, piece: &BranchPiece, mut add: impl FnMut(f64, f64, f64) -> f64) {
         let [t, other] = piece.along();
         let width = t[1] - t[0];

@@ -13,8 +13,8 @@ pub(crate) struct Pressures<'a> {
     /// The former law and its offsets, right after a change of law. Its pressures are kept: the new law is linearised
     /// about the overlap at which it has the same pressure. The next Newton step moves the strands to that overlap.
     pub(crate) before: Option<(Law, &'a Offsets<'a>)>,
-    /// No offset is larger \[L\]. A list of candidates reaches farther than contact, and offsets of each pair are expensive to
-    /// look up.
+    /// No offset is larger \[L\]. A list of candidates reaches farther than contact, and offsets of each pair are
+    /// expensive to look up.
     pub(crate) largest_offset: f64,
 }
 

@@ -14,8 +14,9 @@ use crate::contact::zones::FootKind;
 use crate::math::Vec3;
 use crate::math::bernstein::cubic_weights;
 
-/// Least second derivative of the distance to a foot, over that far from the curve, because beyond the centre of curvature a
-/// Newton step would lead away from the foot. With 0.1 instead, the minicircle takes 375 iterations for 376.
+/// Least second derivative of the distance to a foot, over that far from the curve, because beyond the centre of
+/// curvature a Newton step would lead away from the foot. With 0.1 instead, the minicircle takes 375 iterations for
+/// 376.
 const LEAST_CURVATURE: f64 = 0.2;
 /// Squared difference of unit tangents below which lines count as parallel, because lines at less than 6°
 /// cross too far away.
@@ -70,8 +71,8 @@ pub(crate) fn stiffness_of_gaps(term: &ContactPair, cubics: [&Cubic; 2], change:
     sum_of_gaps(term, cubics, change, |_, here| here.linear)
 }
 
-/// ∂gap/∂x at each point of a term with respect to the ends of `cubics` (slave and master where the term was evaluated), weight ×
-/// stiffness there \[F/L\], its parameters on both.
+/// ∂gap/∂x at each point of a term with respect to the ends of `cubics` (slave and master where the term was
+/// evaluated), weight × stiffness there \[F/L\], its parameters on both.
 pub(crate) fn gap_gradients<'a>(
     term: &'a ContactPair,
     [slave, master]: [&'a Cubic; 2],
@@ -83,8 +84,8 @@ pub(crate) fn gap_gradients<'a>(
     term.points.iter().filter_map(at)
 }
 
-/// ∂gap/∂x of a point of a slave and its foot on a master, by their parameters, as in [`gap_gradients`]; `None` where they
-/// coincide.
+/// ∂gap/∂x of a point of a slave and its foot on a master, by their parameters, as in [`gap_gradients`]; `None` where
+/// they coincide.
 pub(crate) fn gap_gradient([slave, master]: [&Cubic; 2], [u, v]: [f64; 2]) -> Option<[f64; 24]> {
     let normal = (slave.point(u) - master.point(v)).try_normalize(0.0)?;
     let (wa, wb) = (cubic_weights(u), cubic_weights(v));

@@ -119,7 +119,8 @@ impl<'a> PairStiffness<'a> {
         if self.swapped { std::array::from_fn(|m| of_points[(m + 4) % 8]) } else { *of_points }
     }
 
-    /// Adds to the gradient with respect to the control points; handles that turn with the ends add its second-order part.
+    /// Adds to the gradient with respect to the control points; handles that turn with the ends add its second-order
+    /// part.
     pub(in crate::contact) fn add_gradient(&mut self, gradient: &[Vec3; 8]) {
         let gradient = self.ordered(gradient);
         self.forces.iter_mut().zip(&gradient).for_each(|(sum, force)| *sum += force);

@@ -4,24 +4,25 @@
 //! U = Σ_segments ∫_zone ½ κ ⟨c(s) − gap(s)⟩² ds        gap = φ(r(s)) − ε
 //! ```
 //!
-//! φ is the signed distance from the body's surface, `math::signed_distance`, c the offset, linear between the ends of a
-//! segment, ε the radius. Nothing is projected: along a segment, a cubic, a polynomial rises with the distance δ from the
-//! body's skeleton, δ itself of a plane, δ² of others. Zones end at roots of this polynomial less that of the distance
-//! up to which pressure reaches, and gaps are smallest at roots of its derivative. At a point under pressure p, with n = ∇φ,
+//! φ is the signed distance from the body's surface, `math::signed_distance`, c the offset, linear between the ends of
+//! a segment, ε the radius. Nothing is projected: along a segment, a cubic, a polynomial rises with the distance δ from
+//! the body's skeleton, δ itself of a plane, δ² of others. Zones end at roots of this polynomial less that of the
+//! distance up to which pressure reaches, and gaps are smallest at roots of its derivative. At a point under pressure
+//! p, with n = ∇φ,
 //!
 //! ```text
 //! δU = −p n·δr      δ²U = k (n·δr)² − p δr·∇∇φ δr − p n·δ²r
 //! ```
 //!
-//! A node may carry the body: its point c moves by δc, and it turns about c by a rotation vector θ. With a = r − c and w = δr − δc
-//! − θ × a, how the strand moves as the body sees it,
+//! A node may carry the body: its point c moves by δc, and it turns about c by a rotation vector θ. With a = r − c and
+//! w = δr − δc − θ × a, how the strand moves as the body sees it,
 //!
 //! ```text
 //! δU = −p n·w      δ²U = k (n·w)² − p w·∇∇φ w − p n·δ²r − 2 p n·((δr − δc) × θ) − p n·(θ × (θ × a))
 //! ```
 //!
-//! A plane does to a strand what the strand's mirror image would, at the distance 2(gap + ε) of its own: the law's contact
-//! distance is 2ε.
+//! A plane does to a strand what the strand's mirror image would, at the distance 2(gap + ε) of its own: the law's
+//! contact distance is 2ε.
 
 use std::ops::Range;
 
@@ -44,8 +45,8 @@ pub(crate) fn relative(surface: &Surface, set: &CurveSet, segment: usize) -> [Ve
     std::array::from_fn(|m| (points[m] - surface.point()) + (lost[m] - surface.lost))
 }
 
-/// A ball about the control points of a segment: its centre and radius \[L\]. Where strands are far from a surface it says so for less
-/// than the control points.
+/// A ball about the control points of a segment: its centre and radius \[L\]. Where strands are far from a surface it
+/// says so for less than the control points.
 pub(crate) fn ball(set: &CurveSet, segment: usize) -> (Vec3, f64) {
     let points = &set.segments[segment].b;
     let middle = (points[0] + points[3]) * 0.5;
@@ -74,8 +75,8 @@ pub(crate) struct SurfaceZone {
     pub(crate) torque: Vec3,
 }
 
-/// A quadrature point in contact: its parameter, weight × stiffness of the law \[F/L\], normal, and place relative to the
-/// surface's own point \[L\].
+/// A quadrature point in contact: its parameter, weight × stiffness of the law \[F/L\], normal, and place relative to
+/// the surface's own point \[L\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct SurfacePoint {
     u: f64,
@@ -95,8 +96,8 @@ pub(crate) struct SurfaceContact {
     points: Vec<SurfacePoint>,
 }
 
-/// A term with respect to both ends of a segment, six coordinates each (displacement, rotation vector), and the same of the
-/// node that carries the body; zero of one that none carries.
+/// A term with respect to both ends of a segment, six coordinates each (displacement, rotation vector), and the same of
+/// the node that carries the body; zero of one that none carries.
 pub(crate) struct SurfaceTerm {
     pub(crate) contact: SurfaceContact,
     /// Energy \[F·L\].
@@ -106,8 +107,8 @@ pub(crate) struct SurfaceTerm {
     pub(crate) tangent: Option<Box<PairTangent>>,
 }
 
-/// Terms of those pairs of a segment and a surface that touch, in their order. `pressures.offset(segment, surface)` is the offset
-/// c at both ends of a segment towards a surface \[L\].
+/// Terms of those pairs of a segment and a surface that touch, in their order. `pressures.offset(segment, surface)` is
+/// the offset c at both ends of a segment towards a surface \[L\].
 pub(crate) fn evaluate(
     set: &CurveSet,
     (surfaces, pairs): (&[Surface], &[[u32; 2]]),
@@ -191,8 +192,8 @@ fn for_each_point([start, end]: [f64; 2], length: f64, contact_distance: f64, mu
     }
 }
 
-/// Bernstein coefficients of polynomials along a cubic, one of which rises with the distance δ from the skeleton at any place:
-/// δ of a plane, δ² of others. `of_linear` is the same of a distance that is linear, from one end to the other.
+/// Bernstein coefficients of polynomials along a cubic, one of which rises with the distance δ from the skeleton at any
+/// place: δ of a plane, δ² of others. `of_linear` is the same of a distance that is linear, from one end to the other.
 fn rising(surface: &Surface, r: &[Vec3; 4]) -> Vec<Vec<f64>> {
     let squared = |away: [Vec3; 4]| square(|i, j| away[i].dot(&away[j]));
     match surface.skeleton {
@@ -376,8 +377,8 @@ impl SurfaceSum {
     }
 }
 
-/// Sums over the quadrature points of what the motion of the node that carries a body adds to a second derivative. A strand
-/// moves by w = Σ a_i δ_i − δc + A θ as the body sees it, A θ = a × θ, under M = k n nᵀ − p ∇∇φ.
+/// Sums over the quadrature points of what the motion of the node that carries a body adds to a second derivative. A
+/// strand moves by w = Σ a_i δ_i − δc + A θ as the body sees it, A θ = a × θ, under M = k n nᵀ − p ∇∇φ.
 #[derive(Debug, Default)]
 struct CarriedStiffness {
     /// ∫a_i M ds, and ∫M ds \[F/L\].
@@ -431,15 +432,15 @@ fn handles(set: &CurveSet, segment: usize) -> [Vec3; 2] {
     [b[1] - b[0], b[2] - b[3]]
 }
 
-/// Motions of a point that has no share but that of the displacement, or the handle, of an end: by its displacement, or its
-/// rotation vector.
+/// Motions of a point that has no share but that of the displacement, or the handle, of an end: by its displacement, or
+/// its rotation vector.
 fn rates(handles: &[Vec3; 2]) -> [Mat3; 4] {
     let turned = handles.map(|handle| -handle.cross_matrix());
     [Mat3::identity(), turned[0], Mat3::identity(), turned[1]]
 }
 
-/// Minus forces on the four control points, by the displacement and rotation of both ends; of the node that carries the body their
-/// sum, and the torque of the forces about the body's point.
+/// Minus forces on the four control points, by the displacement and rotation of both ends; of the node that carries the
+/// body their sum, and the torque of the forces about the body's point.
 fn gradient(handles: &[Vec3; 2], force: &[Vec3; 4], torque: &Vec3) -> [f64; 18] {
     let of_ends = [force[0] + force[1], handles[0].cross(&force[1]), force[2] + force[3], handles[1].cross(&force[2])];
     let of_body = [-(of_ends[0] + of_ends[2]), -torque];
@@ -452,8 +453,8 @@ impl SurfaceContact {
         self.zones.iter().map(|zone| zone.min_gap).fold(f64::INFINITY, f64::min)
     }
 
-    /// Each point with ∂gap/∂x by the ends of the segment, which is one of `set`, and the node that carries the body, and weight ×
-    /// stiffness there \[F/L\].
+    /// Each point with ∂gap/∂x by the ends of the segment, which is one of `set`, and the node that carries the body,
+    /// and weight × stiffness there \[F/L\].
     pub(crate) fn gap_gradients<'a>(&'a self, set: &'a CurveSet) -> impl Iterator<Item = (TouchedPoint, f64)> + 'a {
         self.points.iter().map(move |point| (self.touched(set, point.u, point.normal, &point.arm), point.stiffness))
     }
@@ -471,9 +472,9 @@ impl SurfaceContact {
         TouchedPoint { u, gap_gradient, at: set.segments[self.segment].point(u), normal }
     }
 
-    /// Σ W k e ∂gap/∂x by the ends of the segment where the term was evaluated, with these handles, and the node that carries
-    /// the body: the gradient of a law that went on linearly, `change(u, normal)` the change e of the gap at each point in
-    /// contact \[L\].
+    /// Σ W k e ∂gap/∂x by the ends of the segment where the term was evaluated, with these handles, and the node that
+    /// carries the body: the gradient of a law that went on linearly, `change(u, normal)` the change e of the gap at
+    /// each point in contact \[L\].
     pub(crate) fn of_changes(&self, handles: &[Vec3; 2], change: impl Fn(f64, &Vec3) -> f64) -> [f64; 18] {
         let (mut sum, mut torque) = ([Vec3::zeros(); 4], Vec3::zeros());
         for point in &self.points {
@@ -506,8 +507,8 @@ pub(crate) struct SurfacePiece {
     pub(crate) zone: SurfaceZone,
 }
 
-/// The zones of each contact of a strand with a surface, in the order of arc length: those that end where a segment does
-/// go on in one that begins where the next one does. Over the seam of a closed strand, too.
+/// The zones of each contact of a strand with a surface, in the order of arc length: those that end where a segment
+/// does go on in one that begins where the next one does. Over the seam of a closed strand, too.
 pub(crate) fn surface_runs(set: &CurveSet, contacts: &[SurfaceContact]) -> Vec<Vec<SurfacePiece>> {
     let pieces = |contact: &SurfaceContact| {
         let (segment, surface) = (contact.segment, contact.surface);

@@ -12,7 +12,8 @@ pub struct ZonePiece {
     pub(crate) piece: BranchPiece,
     /// Smallest gap inside \[L\].
     pub min_gap: f64,
-    /// w∫p ds \[F\], w the slave's share of the pair's contact: its part of the contact force; negative where it is subtracted.
+    /// w∫p ds \[F\], w the slave's share of the pair's contact: its part of the contact force; negative where it is
+    /// subtracted.
     pub force: f64,
     /// w∫p u ds and w∫p u² ds \[F\], u the slave parameter: first and second moment of the force.
     pub moments: [f64; 2],

@@ -17,7 +17,8 @@ use crate::math::Vec3;
 
 /// β, as a segment's parameter: cells overlap by twice this, because rounding could lose a minimum on a border.
 pub(super) const BORDER: f64 = 1e-9;
-/// Binomial coefficients, because products of Bernstein polynomials are sums of products of coefficients weighted with them.
+/// Binomial coefficients, because products of Bernstein polynomials are sums of products of coefficients weighted with
+/// them.
 const C2: [f64; 3] = [1.0, 2.0, 1.0];
 const C3: [f64; 4] = [1.0, 3.0, 3.0, 1.0];
 const C5: [f64; 6] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];

@@ -13,8 +13,8 @@ const SHORTER: [f64; 5] = [1.0, 0.25, 0.0625, 0.015625, 0.00390625];
 /// Slope (cosine of the angle between tangent and connection) below which a valley counts as level, because a descent
 /// ends where the distance changes by rounding, and slopes there are the root of it.
 const LEVEL: f64 = 1e-7;
-/// Determinant of second derivatives over the product of the diagonal, below which a point is a saddle, because that of a
-/// level valley is rounding about zero.
+/// Determinant of second derivatives over the product of the diagonal, below which a point is a saddle, because that of
+/// a level valley is rounding about zero.
 const SADDLE: f64 = -1e-9;
 
 /// The part of the square of parameters that a cell covers.

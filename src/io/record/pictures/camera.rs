@@ -14,8 +14,8 @@ pub(super) const PICTURE: [usize; 2] = [1600, 1200];
 const FRAME: [usize; 2] = [560, 420];
 /// Angle at which planes are seen, rad: their grids are open, and what lies on them is hardly foreshortened.
 const ELEVATION: f64 = 0.3;
-/// Variance of a flat or straight state across it, over the largest: what is straight is then seen well from all sides but
-/// along it.
+/// Variance of a flat or straight state across it, over the largest: what is straight is then seen well from all sides
+/// but along it.
 const THIN: f64 = 1e-3;
 /// Margin of a picture on each side, over the extent of its rods.
 const MARGIN: f64 = 0.03;
@@ -24,8 +24,8 @@ const BAR: f64 = 1.3;
 /// Largest width over height, because legends need room in pictures of rods that are long and thin.
 const FLATTEST: usize = 5;
 
-/// Directions to the right and upwards in pictures of these frames: those of the scene, or those of [`best_axes`]; above
-/// a plane it is below.
+/// Directions to the right and upwards in pictures of these frames: those of the scene, or those of [`best_axes`];
+/// above a plane it is below.
 pub(in crate::io::record) fn axes(run: &RecordedRun, frames: &[&Still]) -> [Vec3; 2] {
     if let Some(camera) = run.choice.camera.map(Vec3::from) {
         let camera = camera / camera.amax();
@@ -107,8 +107,9 @@ pub(super) fn width_shown(extents: [f64; 2], [width, height]: [usize; 2]) -> f64
 }
 
 /// Rows right, down, towards the eye for pictures of states of one run, so that none is seen edge-on: of the directions
-/// along which single states spread least, and those midway between two of them, the eye is where the worst seen state is
-/// seen best. A state is seen as well as the area of its shadow is large. The widest axis of the last is to the right.
+/// along which single states spread least, and those midway between two of them, the eye is where the worst seen state
+/// is seen best. A state is seen as well as the area of its shadow is large. The widest axis of the last is to the
+/// right.
 fn best_axes(frames: &[&Still]) -> Mat3 {
     let own: Vec<(Mat3, Vec3)> = frames.iter().map(|frame| spreads(frame)).collect();
     let least = || own.iter().map(|(axes, _)| Vec3::from(axes.row(2).transpose()));

@@ -13,7 +13,8 @@ use crate::scene::{Obstacle, ObstaclePose};
 use super::camera::{axes, region_of, view_along};
 use super::still::{Still, StillRod};
 
-/// Curvature and twist rate over those of one turn along the rod that are shown as none: below the tolerance of the solver.
+/// Curvature and twist rate over those of one turn along the rod that are shown as none: below the tolerance of the
+/// solver.
 const NO_TURN: f64 = 1e-6;
 
 /// How frames of a run are drawn.

@@ -21,8 +21,8 @@ const INMOST: f64 = 2.0;
 /// [`InputError::Count`] for a component that is not there.
 pub(crate) fn closed_braid(word: &[i32], component: Option<usize>) -> Result<Vec<Vec3>, InputError> {
     if word.is_empty() || word.len() > MOST_LETTERS || word.iter().any(|k| *k == 0 || k.unsigned_abs() > MOST_STRANDS) {
-        let reason = "is a list of whole numbers such as [1, -2, 1, -2]: ±k exchanges strands k and k + 1; at most 1000 letters, \
-                      and 1 to 100";
+        let reason = "is a list of whole numbers such as [1, -2, 1, -2]: ±k exchanges strands k and k + 1; at most \
+            1000 letters, and 1 to 100";
         return Err(InputError::inconsistent("shape.braid", reason));
     }
     let strands = word.iter().map(|k| k.unsigned_abs() as usize).max().unwrap_or(0) + 1;
@@ -64,17 +64,18 @@ pub(crate) fn closed_braid(word: &[i32], component: Option<usize>) -> Result<Vec
     Ok(points)
 }
 
-/// Half of the distance of the tails of an overhand knot where they wind about each other, over the radius of its loop: a sixth of
-/// the loop is open still.
+/// Half of the distance of the tails of an overhand knot where they wind about each other, over the radius of its loop:
+/// a sixth of the loop is open still.
 const TAILS_APART: f64 = 0.12;
 /// Most half turns of an overhand knot's tails.
 const MOST_HALF_TURNS: u32 = 99;
 
-/// An overhand knot in a rod of this length, for a loop of radius 1: a tail along x from the origin, a loop, and a tail along x.
-/// Where both tails pass, they wind about each other by half turns, right-handed positive.
+/// An overhand knot in a rod of this length, for a loop of radius 1: a tail along x from the origin, a loop, and a tail
+/// along x. Where both tails pass, they wind about each other by half turns, right-handed positive.
 ///
 /// # Errors
-/// [`InputError::Inconsistent`] for numbers of half turns that tie no knot; [`InputError::Value`] for a rod that is too short.
+/// [`InputError::Inconsistent`] for numbers of half turns that tie no knot; [`InputError::Value`] for a rod that is too
+/// short.
 pub(crate) fn overhand(length: f64, half_turns: i32) -> Result<Vec<Vec3>, InputError> {
     let count = half_turns.unsigned_abs();
     if count.is_multiple_of(2) || !(3..=MOST_HALF_TURNS).contains(&count) {

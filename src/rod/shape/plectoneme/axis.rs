@@ -151,7 +151,8 @@ impl AxisCurve {
                     let (needed, apart) = (reach + other_reach, (position - other).norm());
                     if z - other_z > FRAC_PI_2 * needed && apart < needed.hypot(step * 0.5_f64.sqrt()) {
                         return refuse(format!(
-                            "comes within {apart:.6} of itself (at {other_z:.6} and {z:.6} from its middle), where the plectoneme needs {needed:.6}"
+                            "comes within {apart:.6} of itself (at {other_z:.6} and {z:.6} from its middle), where \
+                             the plectoneme needs {needed:.6}"
                         ));
                     }
                 }

@@ -21,9 +21,9 @@ pub(super) struct StrandPoint {
 
 /// A half loop of size `size` above a double helix of radius `radius` that rotates by `rate` per height.
 ///
-/// In its own plane the loop is x = R A(w) + S b(w), z = S c(w), w = 1 at the helix and 0 at the apex, A = (15w − 10w³ +
-/// 3w⁵)/8, b = w(1 + e w²) y³, c = γ1(y + y²/4) + γ3 y³, y = 1 − w². The plane rotates about the axis, at the rate of
-/// the helix at w = 1; the rate decays to 0 at the apex as (5w³ − 3w⁵)/2. Position, tangent and curvature are
+/// In its own plane the loop is x = R A(w) + S b(w), z = S c(w), w = 1 at the helix and 0 at the apex, A = (15w −
+/// 10w³ + 3w⁵)/8, b = w(1 + e w²) y³, c = γ1(y + y²/4) + γ3 y³, y = 1 − w². The plane rotates about the axis, at the
+/// rate of the helix at w = 1; the rate decays to 0 at the apex as (5w³ − 3w⁵)/2. Position, tangent and curvature are
 /// continuous where helix and loop meet; at the apex the curve is smooth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HalfLoop {

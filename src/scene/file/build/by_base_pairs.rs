@@ -56,8 +56,8 @@ impl Dna {
             return Ok(());
         }
         let reason = format!(
-            "are {:.3} nm long, but the shape is {length:.3} nm long: they are to agree within 1 % (of measured points, fit = \"rise\" in the \
-             shape takes the rise from them)",
+            "are {:.3} nm long, but the shape is {length:.3} nm long: they are to agree within 1 % (of measured \
+             points, fit = \"rise\" in the shape takes the rise from them)",
             self.length
         );
         Err(InputError::inconsistent("dna.base_pairs", &reason))

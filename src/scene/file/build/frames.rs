@@ -9,8 +9,9 @@ use crate::rod::{Natural, Placement, Rod, Section, within};
 use crate::scene::file::syntax::RodText;
 use crate::scene::file::syntax::values::NaturalText;
 
-/// The rod of a file of base pairs; on other elements than a node a pair, where the scene says how many. `length` \[nm\] where
-/// sequence or dna tell it, else that from pair to pair; `turns` of the double helix that frames of a sequence leave out.
+/// The rod of a file of base pairs; on other elements than a node a pair, where the scene says how many. `length`
+/// \[nm\] where sequence or dna tell it, else that from pair to pair; `turns` of the double helix that frames of a
+/// sequence leave out.
 pub(super) fn rod(
     text: &RodText,
     path: &Path,

@@ -7,8 +7,8 @@ use crate::rod::Rod;
 /// Smallest memory of a node in a run, bytes, in space and in the plane. Rings of 12000 nodes use 7500 to 10000 and
 /// 4000 to 5000 in a single step; contact and long runs use more.
 const BYTES_A_NODE: [f64; 2] = [7000.0, 4000.0];
-/// Memory of two elements of different rods that may touch, bytes: three wires side by side, of 1000 and 2000 elements, take
-/// 145 and 125, and each element meets as many of its neighbour as lie on a diameter.
+/// Memory of two elements of different rods that may touch, bytes: three wires side by side, of 1000 and 2000 elements,
+/// take 145 and 125, and each element meets as many of its neighbour as lie on a diameter.
 const BYTES_A_PAIR: f64 = 120.0;
 /// Neighbours of a rod whose pairs are counted, at most, because those of a strand's core are too few to matter.
 const NEIGHBOURS: usize = 2;
@@ -46,8 +46,8 @@ pub(super) fn check_pairs(rods: &[Rod]) -> Result<(), InputError> {
         needed += BYTES_A_PAIR * beside * elements as f64 * a_diameter.min(most);
         if needed > available {
             let reason = format!(
-                "{elements} elements are too many: {a_diameter:.0} lie on a contact diameter, and their pairs with rods \
-                 beside them take {:.1} GiB, and {:.1} GiB are available",
+                "{elements} elements are too many: {a_diameter:.0} lie on a contact diameter, and their pairs with \
+                 rods beside them take {:.1} GiB, and {:.1} GiB are available",
                 needed / GIB,
                 available / GIB
             );

@@ -11,8 +11,8 @@ use crate::scene::file::syntax::{
     BeadText, HingeText, ObstacleRampText, ObstacleText, SceneText, ShapeOfObstacle, SideOfObstacle,
 };
 
-/// All obstacles of a scene: planes, others, beads of the rods, grips of the supports. The only plane needs no name, nor does the
-/// only other obstacle.
+/// All obstacles of a scene: planes, others, beads of the rods, grips of the supports. The only plane needs no name,
+/// nor does the only other obstacle.
 pub(super) fn obstacles(text: &SceneText, rods: &[Rod]) -> Result<Vec<Obstacle>, InputError> {
     let (planes, others) = (&text.planes, &text.obstacles);
     let mut all: Vec<Obstacle> = Vec::new();
@@ -81,7 +81,8 @@ fn add(all: &mut Vec<Obstacle>, mut new: Obstacle, (place, is_only): (&str, bool
     let field = format!("{place}.name");
     if new.name.is_empty() {
         if !is_only {
-            let reason = "missing: where there are several planes, or other obstacles, each needs a name, by which stages and reports call it";
+            let reason = "missing: where there are several planes, or other obstacles, each needs a name, by which \
+                stages and reports call it";
             return Err(InputError::inconsistent(field, reason));
         }
         new.name = new.kind().to_owned();

@@ -147,7 +147,8 @@ fn elements(path: &str, rod: &Unmeshed) -> Result<usize, InputError> {
         (Some(elements), ..) | (None, None, Some(elements)) => Ok(elements),
         (None, Some(fidelity), _) => rod.elements(fidelity).map_err(|error| within(path, error)),
         (None, None, None) => {
-            let reason = "missing: how many elements the rod has, unless the scene has a fidelity = \"draft\", \"balanced\" or \"reference\"";
+            let reason = "missing: how many elements the rod has, unless the scene has a fidelity \
+                = \"draft\", \"balanced\" or \"reference\"";
             Err(InputError::inconsistent(format!("{path}.elements"), reason))
         }
     }
@@ -195,8 +196,8 @@ fn roll(rod: &mut Rod, text: &RodText) {
     }
 }
 
-/// The bound natural state of a rod that has one: that of a table, beside a straight rod, or of a sequence with proteins,
-/// beside the sequence alone.
+/// The bound natural state of a rod that has one: that of a table, beside a straight rod, or of a sequence with
+/// proteins, beside the sequence alone.
 fn binding(path: &str, text: &RodText, helix: Option<&Helix>, base_dir: &Path) -> Result<Option<Binding>, InputError> {
     let part = text.binding;
     InputError::check(&format!("{path}.binding"), part, (0.0..=1.0).contains(&part), "between 0 and 1")?;
@@ -271,7 +272,8 @@ fn section_or_dna(
         }
         (None, Some(dna)) => Ok(GivenSection::uniform(dna.section)),
         (Some(_), Some(_)) => {
-            let reason = "follows from dna (bending_persistence, twist_persistence, stretch_modulus, diameter): give one of them";
+            let reason = "follows from dna (bending_persistence, twist_persistence, stretch_modulus, diameter): give \
+                one of them";
             Err(InputError::inconsistent("section", reason))
         }
         (None, None) => Err(InputError::inconsistent("section", "missing: give a section, or dna")),

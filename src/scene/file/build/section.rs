@@ -8,9 +8,9 @@ use crate::scene::file::syntax::SectionText;
 use crate::scene::file::syntax::values::List;
 use crate::scene::{SectionTable, read_section};
 
-const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), by young, \
-    poisson or shear_modulus, and circle = radius or rectangle = [width, height], by a stiffness of 6 × 6 numbers, or by a \
-    table";
+const SECTION_WAYS: &str = "a section is given either by bending, twisting, stretching, shearing (stiffnesses), by \
+    young, poisson or shear_modulus, and circle = radius or rectangle = [width, height], by a stiffness of 6 × 6 \
+    numbers, or by a table";
 
 const BY_SEQUENCE: &str = "the sequence gives the stiffness: give contact_radius only";
 

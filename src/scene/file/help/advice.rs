@@ -24,7 +24,8 @@ const ITERATIONS_A_STEP: f64 = 20.0;
 const SECONDS_A_NODE: f64 = 25e-6;
 const MIB: f64 = (1u64 << 20) as f64;
 
-/// Deviations of steps at the start, degrees and Å, from which on they are reported: those that files of steps round to.
+/// Deviations of steps at the start, degrees and Å, from which on they are reported: those that files of steps round
+/// to.
 const FAR_DEGREES: f64 = 0.05;
 const FAR_ANGSTROMS: f64 = 0.005;
 /// Start link, turns, above which a curve is reported not to begin relaxed.
@@ -45,8 +46,8 @@ fn start_link(text: &RodText, rod: &Rod) -> Option<String> {
     let link = rod.start_excess_link;
     (rod.closed && is_curve && !is_given && link.abs() > WORTH_TELLING).then(|| {
         format!(
-            "rod \"{}\" begins with an excess link of {link:.4} turns, the writhe of its shape, and no twist: its link stays. \
-             With excess_link = 0 it has the link of the relaxed rod, and the twist {:.4}",
+            "rod \"{}\" begins with an excess link of {link:.4} turns, the writhe of its shape, and no twist: its \
+             link stays. With excess_link = 0 it has the link of the relaxed rod, and the twist {:.4}",
             rod.name, -link
         )
     })
@@ -161,8 +162,8 @@ fn natural(rod: &Rod) -> Option<String> {
     (turns > MOST_NATURAL).then(|| {
         let needed = (turns / MOST_NATURAL * rod.num_elements as f64).ceil();
         format!(
-            "rod \"{}\" turns by {:.0}° of natural twist from node to node, which costs accuracy above {:.0}°: {needed} \
-             elements would do",
+            "rod \"{}\" turns by {:.0}° of natural twist from node to node, which costs accuracy above {:.0}°: \
+             {needed} elements would do",
             rod.name,
             360.0 * turns,
             360.0 * MOST_NATURAL
@@ -175,7 +176,8 @@ fn steps(rod: &Rod, at_rest: &AtRest) -> Option<String> {
     let (steps, segments) = (at_rest.steps.len(), rod.num_segments());
     (segments < steps).then(|| {
         format!(
-            "rod \"{}\" has {segments} segments between nodes for {steps} steps of base pairs: {} elements have a node a base pair",
+            "rod \"{}\" has {segments} segments between nodes for {steps} steps of base pairs: {} elements have a \
+             node a base pair",
             rod.name,
             steps.div_ceil(rod.order)
         )
@@ -199,7 +201,8 @@ fn is_link(rod: &Rod, excess: f64) -> Option<String> {
     let alike = natural.abs() >= 1.0 && (excess.abs() - natural.abs()).abs() <= ALIKE * natural.abs();
     alike.then(|| {
         format!(
-            "rod \"{}\" has an excess_link of {excess}, which counts beyond its natural {natural:.2} turns: is link meant?",
+            "rod \"{}\" has an excess_link of {excess}, which counts beyond its natural {natural:.2} turns: is link \
+             meant?",
             rod.name
         )
     })

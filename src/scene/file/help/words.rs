@@ -20,8 +20,8 @@ const TYPES: [(&str, &str); 8] = [
     ("a list of tables", "a list of tables: each begins with its name in double brackets, such as [[rods]]"),
 ];
 
-/// Message of an error in a scene's text: with the allowed word that is most similar to an unknown one, and the table in
-/// which a key is missing.
+/// Message of an error in a scene's text: with the allowed word that is most similar to an unknown one, and the table
+/// in which a key is missing.
 pub(in crate::scene::file) fn in_a_users_words(error: &toml::de::Error, scene: &str) -> String {
     let words: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
     let suggestion = match words.as_slice() {

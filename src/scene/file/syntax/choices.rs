@@ -12,8 +12,8 @@ use crate::scene::model::unit;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverChoice {
-    /// Tolerance of convergence: a full Newton step moves no node by more than this × node spacing and turns none by more
-    /// (rad). Legal: between 0 and 1.
+    /// Tolerance of convergence: a full Newton step moves no node by more than this × node spacing and turns none by
+    /// more (rad). Legal: between 0 and 1.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1, "x-default" = "1e-8, or by `fidelity`"))]
     pub tol_increment: Option<f64>,
     /// Largest number of Newton iterations of a step, after which it counts as failed. Legal: ≥ 1.
@@ -57,18 +57,18 @@ pub struct OutputChoice {
     pub checkpoint_seconds: f64,
     /// Whether the error of the final state is estimated, see `observe::estimate_error` in the library.
     pub error_estimate: bool,
-    /// Number of softest modes of the final state, see `tangent::EquilibriumTangent::modes` in the library: `modes.vtp` and
-    /// `modes.html` have their shapes, `summary.json` their eigenvalues, or frequencies if all rods have a mass.
+    /// Number of softest modes of the final state, see `tangent::EquilibriumTangent::modes` in the library: `modes.vtp`
+    /// and `modes.html` have their shapes, `summary.json` their eigenvalues, or frequencies if all rods have a mass.
     pub modes: usize,
     /// Whether `summary.json` has the parts of the harmonic free energy of the final state.
     pub free_energy: bool,
-    /// Observables of the final state that are differentiated: `energy`, `contact_force`, `twist`, `writhe`, `extension`,
-    /// `seam_moment`, of the first rod or (`writhe:NAME`) of another; `position_x:NAME:NODE`, `force_z:NAME:end` …; see
-    /// `tangent::Observable` in the library.
+    /// Observables of the final state that are differentiated: `energy`, `contact_force`, `twist`, `writhe`,
+    /// `extension`, `seam_moment`, of the first rod or (`writhe:NAME`) of another; `position_x:NAME:NODE`,
+    /// `force_z:NAME:end` …; see `tangent::Observable` in the library.
     pub sensitivity_of: Vec<String>,
     /// What they are differentiated with respect to: `load`, `link`, `pressure`, `bending`, `twisting`, `stretching`,
-    /// `shearing`, `contact_radius`, `length`, `natural_twist`, `natural_strains` (rows of a table or a sequence) …, of the
-    /// first rod or (`bending:NAME`) of another; `displacement_x:NAME:end`, `obstacle_level` …; see
+    /// `shearing`, `contact_radius`, `length`, `natural_twist`, `natural_strains` (rows of a table or a sequence) …, of
+    /// the first rod or (`bending:NAME`) of another; `displacement_x:NAME:end`, `obstacle_level` …; see
     /// `tangent::PrescribedNumber` in the library.
     pub sensitivity_to: Vec<String>,
     /// Folder of the files, relative to where the program runs; the command line's `--out` takes precedence.
@@ -76,13 +76,13 @@ pub struct OutputChoice {
     pub dir: Option<PathBuf>,
 }
 
-/// Following of a path through limit points, where load steps would jump, see `solve::FollowOptions` in the library. Arc
-/// lengths count relative changes: 1 is about the way of the ramp.
+/// Following of a path through limit points, where load steps would jump, see `solve::FollowOptions` in the library.
+/// Arc lengths count relative changes: 1 is about the way of the ramp.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FollowChoice {
-    /// Initial direction: towards the ramp's target or away from it; at a branch point onto the branch, along the critical
-    /// direction or against it.
+    /// Initial direction: towards the ramp's target or away from it; at a branch point onto the branch, along the
+    /// critical direction or against it.
     pub start: FollowStart,
     /// First step, arc length. Legal: > 0.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -131,20 +131,22 @@ impl FollowChoice {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PictureChoice {
-    /// Width and height of `picture.png`, pixels. Legal: 16 to 8000. `None`: 1600 wide and as high as the rods need, 320 to
-    /// 1200.
-    #[schemars(extend("x-value" = "[width, height]", "x-unit" = "pixels", "x-allowed" = "16 to 8000", "x-default" = "1600 wide, as high as the rods need, up to 1200"))]
+    /// Width and height of `picture.png`, pixels. Legal: 16 to 8000. `None`: 1600 wide and as high as the rods need,
+    /// 320 to 1200.
+    #[schemars(extend("x-value" = "[width, height]", "x-unit" = "pixels", "x-allowed" = "16 to 8000",
+        "x-default" = "1600 wide, as high as the rods need, up to 1200"))]
     pub size: Option<[usize; 2]>,
-    /// Direction from the rods to the eye, one for all states of a film strip. Legal: not zero. `None`: from where no state
-    /// drawn is seen edge-on, with planes a little above the first.
-    #[schemars(extend("x-allowed" = "not zero", "x-default" = "from where no state drawn is seen edge-on; with planes a little above the first"))]
+    /// Direction from the rods to the eye, one for all states of a film strip. Legal: not zero. `None`: from where no
+    /// state drawn is seen edge-on, with planes a little above the first.
+    #[schemars(extend("x-allowed" = "not zero",
+        "x-default" = "from where no state drawn is seen edge-on; with planes a little above the first"))]
     pub camera: Option<[f64; 3]>,
     /// Direction that appears upwards. Legal: not along `camera`. `None`: the one with the widest final state; with a
     /// `camera`, z or else y.
     #[schemars(extend("x-allowed" = "with `camera`; not along it", "x-default" = "z, or y"))]
     pub up: Option<[f64; 3]>,
-    /// Quantity that colours the rods; all but `strand` have a colour bar. Pressure is contact force per length, smoothed
-    /// over the width of the contact law or half an element.
+    /// Quantity that colours the rods; all but `strand` have a colour bar. Pressure is contact force per length,
+    /// smoothed over the width of the contact law or half an element.
     pub color_by: ColorBy,
     /// Whether `picture.png` has no background.
     pub transparent: bool,

@@ -42,21 +42,24 @@ pub(in super::super) struct RodText {
     #[serde(default, deserialize_with = "some_table")]
     pub dna: Option<DnaText>,
     /// Mass per volume: times the area of the section's `circle` or `rectangle` and `gravity`, weight per length.
-    #[schemars(extend("x-unit" = "mass/L³", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity` or `output.modes`", "x-default" = "none"))]
+    #[schemars(extend("x-unit" = "mass/L³", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity` or `output.modes`",
+        "x-default" = "none"))]
     pub density: Option<f64>,
     /// Mass of the rod, in place of `density`.
-    #[schemars(extend("x-unit" = "mass", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity` or `output.modes`", "x-default" = "none"))]
+    #[schemars(extend("x-unit" = "mass", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity` or `output.modes`",
+        "x-default" = "none"))]
     pub mass: Option<f64>,
     /// Weight per reference length, in place of `density`; of `gravity` the direction counts.
     #[schemars(extend("x-unit" = "F/L", "exclusiveMinimum" = 0, "x-allowed" = "with `gravity`", "x-default" = "none"))]
     pub weight: Option<f64>,
-    /// Part of the natural state of a table, or of the change of it by proteins, that is in force at the start; the rest is
-    /// that of a straight rod, or of the sequence alone.
+    /// Part of the natural state of a table, or of the change of it by proteins, that is in force at the start; the
+    /// rest is that of a straight rod, or of the sequence alone.
     #[serde(default = "whole")]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-allowed" = "`natural` of a table, `sequence.proteins`"))]
     pub binding: f64,
     /// Number of elements.
-    #[schemars(extend("minimum" = 1, "x-default" = "by `fidelity`; a node a base pair of a `sequence`; those of a `state`"))]
+    #[schemars(extend("minimum" = 1,
+        "x-default" = "by `fidelity`; a node a base pair of a `sequence`; those of a `state`"))]
     pub elements: Option<usize>,
     /// Order of the elements.
     #[serde(default = "default_order")]
@@ -91,8 +94,9 @@ pub(in super::super) struct RodText {
     pub beads: Vec<BeadText>,
 }
 
-/// A ball without friction that a node carries: what other strands exert on it acts on the node. The rod's own strand next to the
-/// node, π/2 (radius + contact radius) to either side, does not touch it. Beads do not touch each other, nor obstacles.
+/// A ball without friction that a node carries: what other strands exert on it acts on the node. The rod's own strand
+/// next to the node, π/2 (radius + contact radius) to either side, does not touch it. Beads do not touch each other,
+/// nor obstacles.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in super::super) struct BeadText {
@@ -103,7 +107,8 @@ pub(in super::super) struct BeadText {
     pub radius: f64,
     /// Name by which stages and reports call it.
     #[serde(default)]
-    #[schemars(extend("x-allowed" = "unlike those of planes, obstacles and other beads", "x-default" = "`ROD_bead`, with a number if the rod has several"))]
+    #[schemars(extend("x-allowed" = "unlike those of planes, obstacles and other beads",
+        "x-default" = "`ROD_bead`, with a number if the rod has several"))]
     pub name: String,
 }
 
@@ -122,10 +127,12 @@ pub(in super::super) struct SectionText {
     #[schemars(extend("x-value" = "text", "x-allowed" = "CSV"))]
     pub table: Option<PathBuf>,
     /// Full stiffness, order shear 1, shear 2, stretch, bending about d1, about d2, twist; in place of the others.
-    #[schemars(extend("x-value" = "six rows of six numbers", "x-unit" = "F, F L, F L²", "x-allowed" = "symmetric, positive definite"))]
+    #[schemars(extend("x-value" = "six rows of six numbers", "x-unit" = "F, F L, F L²",
+        "x-allowed" = "symmetric, positive definite"))]
     pub stiffness: Option<List<List<f64, 6>, 6>>,
     /// Bending stiffness EI.
-    #[schemars(extend("x-value" = "number or [about d1, about d2]", "x-unit" = "F L²", "exclusiveMinimum" = 0, "x-default" = "needed without moduli"))]
+    #[schemars(extend("x-value" = "number or [about d1, about d2]", "x-unit" = "F L²", "exclusiveMinimum" = 0,
+        "x-default" = "needed without moduli"))]
     pub bending: Option<Pair>,
     /// Twisting stiffness GJ.
     #[schemars(extend("x-unit" = "F L²", "exclusiveMinimum" = 0, "x-default" = "needed without moduli"))]
@@ -134,7 +141,8 @@ pub(in super::super) struct SectionText {
     #[schemars(extend("x-unit" = "F", "exclusiveMinimum" = 0, "x-default" = "needed without moduli"))]
     pub stretching: Option<f64>,
     /// Shear stiffness GA.
-    #[schemars(extend("x-value" = "number or [along d1, along d2]", "x-unit" = "F", "exclusiveMinimum" = 0, "x-default" = "needed without moduli"))]
+    #[schemars(extend("x-value" = "number or [along d1, along d2]", "x-unit" = "F", "exclusiveMinimum" = 0,
+        "x-default" = "needed without moduli"))]
     pub shearing: Option<Pair>,
     /// Young's modulus; with `poisson` or `shear_modulus` and `circle` or `rectangle` it gives the stiffnesses.
     #[schemars(extend("x-unit" = "F/L²", "exclusiveMinimum" = 0))]
@@ -200,7 +208,8 @@ pub(in super::super) struct SequenceText {
     pub letters: Option<String>,
     /// Means and stiffness of the base-pair steps, see `dna::sequence` in the library; a step from base pair to base
     /// pair, of closed rods also back to the first.
-    #[schemars(extend("x-allowed" = "`ideal`, `protein-dna-1998`, or a CSV file: of the sixteen steps, or of all steps in order"))]
+    #[schemars(extend("x-allowed" = "`ideal`, `protein-dna-1998`, or a CSV file: of the sixteen steps, or of all \
+        steps in order"))]
     pub steps: String,
     /// Pieces that proteins hold: `hold` (frozen, steps, block), `from`, `to` (base pairs from 1), `tilt`, `roll`,
     /// `twist`, `shift`, `slide`, `rise`, see `dna::bound` in the library.
@@ -223,8 +232,8 @@ pub(super) fn name_rods(rods: &mut [RodText]) -> Result<(), InputError> {
     for (i, rod) in rods.iter().enumerate() {
         let field = || format!("rods[{i}].name");
         if rod.name.is_empty() {
-            let reason = "missing: where there are several rods, each needs a name, by which supports, loads, joints and \
-                stages call it";
+            let reason = "missing: where there are several rods, each needs a name, by which supports, loads, joints \
+                and stages call it";
             return Err(InputError::inconsistent(field(), reason));
         }
         if rods[..i].iter().any(|other| other.name == rod.name) {

@@ -122,10 +122,12 @@ pub(in super::super) enum ShapeText {
     Points {
         /// File of the points, relative to the scene file. Closed rods: whether the first point is repeated at the end
         /// does not matter.
-        #[schemars(extend("x-allowed" = "CSV, `.xyz`, `.vect` (Geomview), `.pdb` (its P atoms), `.npy`, an oxDNA configuration; at most 256 MiB"))]
+        #[schemars(extend("x-allowed" = "CSV, `.xyz`, `.vect` (Geomview), `.pdb` (its P atoms), `.npy`, an oxDNA \
+            configuration; at most 256 MiB"))]
         file: PathBuf,
         /// Columns of a CSV file.
-        #[schemars(extend("x-value" = "[\"x\", \"y\", \"z\"]", "x-allowed" = "names in the head line", "x-default" = "x, y, z, or the only three"))]
+        #[schemars(extend("x-value" = "[\"x\", \"y\", \"z\"]", "x-allowed" = "names in the head line",
+            "x-default" = "x, y, z, or the only three"))]
         columns: Option<Vec<String>>,
         /// Which of several frames (XYZ), curves (VECT), models (PDB), from 0; negative: from the last, −1.
         #[schemars(extend("x-default" = "the only one"))]
@@ -144,10 +146,11 @@ pub(in super::super) enum ShapeText {
         /// Smoothing length ℓ, after `every` and `scale`: the curve r minimises ∫(r − p)² + ℓ⁴ r″² ds for the points p.
         /// Of a wave of wavenumber k the part 1/(1 + (kℓ)⁴) is kept: half of waves 2πℓ long. Closed curves stay closed,
         /// end points of open ones where they are.
-        #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "at most 100 mean distances of points"))]
+        #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0,
+            "x-allowed" = "at most 100 mean distances of points"))]
         smooth: Option<f64>,
-        /// What follows from the length of the points, where they are a measured molecule: `rise`, the length of a base pair of
-        /// `dna`, instead of an error where the two differ by more than 1 %.
+        /// What follows from the length of the points, where they are a measured molecule: `rise`, the length of a base
+        /// pair of `dna`, instead of an error where the two differ by more than 1 %.
         #[schemars(extend("x-allowed" = "with `dna` without `rise`", "x-default" = "none"))]
         fit: Option<Fit>,
     },
@@ -155,7 +158,8 @@ pub(in super::super) enum ShapeText {
     /// turns of the double helix.
     Frames {
         /// File of the frames, relative to the scene file.
-        #[schemars(extend("x-allowed" = "`.npy` of shape (n, 4, 3), an oxDNA configuration of two strands, 3DNA's `bp_step.par` or `ref_frames.dat`; at most 256 MiB"))]
+        #[schemars(extend("x-allowed" = "`.npy` of shape (n, 4, 3), an oxDNA configuration of two strands, 3DNA's \
+            `bp_step.par` or `ref_frames.dat`; at most 256 MiB"))]
         file: PathBuf,
     },
     /// The final state of a run, or that of its checkpoint.
@@ -180,7 +184,8 @@ pub(in super::super) enum ShapeText {
         #[schemars(extend("x-unit" = "turns"))]
         turns: Option<f64>,
         /// Angle of the strands to the axis.
-        #[schemars(extend("x-unit" = "turns", "maximum" = 0.125, "x-default" = "that of least energy at `excess_link`"))]
+        #[schemars(extend("x-unit" = "turns", "maximum" = 0.125,
+            "x-default" = "that of least energy at `excess_link`"))]
         angle: Option<f64>,
         /// Centre.
         #[schemars(extend("x-unit" = "L", "x-default" = "[0, 0, 0]"))]
@@ -200,9 +205,10 @@ pub(in super::super) enum ShapeText {
         /// Braid word, in place of `name`: ±k exchanges strands k and k + 1, right-handed where positive.
         #[schemars(extend("x-value" = "list such as [1, -2, 1, -2]", "x-allowed" = "whole numbers, not 0"))]
         braid: Option<Vec<i32>>,
-        /// Planar diagram code, in place of `name`: of each crossing its four edges counterclockwise, from the lower one that
-        /// comes in, as KnotInfo and SnapPy have it.
-        #[schemars(extend("x-value" = "list such as [[1, 5, 2, 4], [3, 1, 4, 6], [5, 3, 6, 2]]", "x-allowed" = "each edge twice; at most 1000 crossings"))]
+        /// Planar diagram code, in place of `name`: of each crossing its four edges counterclockwise, from the lower
+        /// one that comes in, as KnotInfo and SnapPy have it.
+        #[schemars(extend("x-value" = "list such as [[1, 5, 2, 4], [3, 1, 4, 6], [5, 3, 6, 2]]",
+            "x-allowed" = "each edge twice; at most 1000 crossings"))]
         pd: Option<Vec<List<i32, 4>>>,
         /// Which curve, of a braid or a code of several: each is a rod, all with one `distance`.
         #[schemars(extend("minimum" = 0, "x-default" = "the only one"))]
@@ -221,12 +227,14 @@ pub(in super::super) enum ShapeText {
     /// An overhand knot in an open rod, between straight tails along x; tied loosely, about a round loop.
     Overhand {
         /// Length of the rod.
-        #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "at least 15 radii, of 3 half turns", "x-default" = "from `dna`"))]
+        #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "at least 15 radii, of 3 half turns",
+            "x-default" = "from `dna`"))]
         length: Option<f64>,
         /// Radius of the loop.
         #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0))]
         radius: f64,
-        /// Half turns by which the tails wind about each other: 3 make a trefoil, 5 a cinquefoil; negative ones the mirror image.
+        /// Half turns by which the tails wind about each other: 3 make a trefoil, 5 a cinquefoil; negative ones the
+        /// mirror image.
         #[serde(default = "three")]
         #[schemars(extend("x-allowed" = "odd, 3 to 99 or −99 to −3"))]
         half_turns: i32,

@@ -112,7 +112,8 @@ pub(in super::super) struct ObstacleRampText {
     #[schemars(extend("x-value" = "name", "x-default" = "the only obstacle"))]
     pub name: Option<String>,
     /// Radius at the end of the stage.
-    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "more than the contact radii of rods inside", "x-default" = "stays"))]
+    #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0,
+        "x-allowed" = "more than the contact radii of rods inside", "x-default" = "stays"))]
     pub radius: Option<f64>,
     /// Displacement, in all since the start of the run.
     #[schemars(extend("x-unit" = "L", "x-default" = "stays"))]
@@ -132,7 +133,8 @@ pub(in super::super) struct SectionRampText {
     #[schemars(extend("x-unit" = "L", "exclusiveMinimum" = 0, "x-allowed" = "from > 0", "x-default" = "stays"))]
     pub contact_radius: Option<f64>,
     /// Bending stiffness EI.
-    #[schemars(extend("x-value" = "number or [about d1, about d2]", "x-unit" = "F L²", "exclusiveMinimum" = 0, "x-default" = "stays"))]
+    #[schemars(extend("x-value" = "number or [about d1, about d2]", "x-unit" = "F L²", "exclusiveMinimum" = 0,
+        "x-default" = "stays"))]
     pub bending: Option<Pair>,
     /// Twisting stiffness GJ.
     #[schemars(extend("x-unit" = "F L²", "exclusiveMinimum" = 0, "x-default" = "stays"))]
@@ -141,7 +143,8 @@ pub(in super::super) struct SectionRampText {
     #[schemars(extend("x-unit" = "F", "exclusiveMinimum" = 0, "x-default" = "stays"))]
     pub stretching: Option<f64>,
     /// Shear stiffness GA.
-    #[schemars(extend("x-value" = "number or [along d1, along d2]", "x-unit" = "F", "exclusiveMinimum" = 0, "x-default" = "stays"))]
+    #[schemars(extend("x-value" = "number or [along d1, along d2]", "x-unit" = "F", "exclusiveMinimum" = 0,
+        "x-default" = "stays"))]
     pub shearing: Option<Pair>,
 }
 

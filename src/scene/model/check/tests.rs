@@ -148,7 +148,8 @@ fn ramps_are_checked() {
     assert!(model.check_stages(&[twice]).unwrap_err().to_string().contains("ramped twice"));
     let idle = Stage::new(vec![], 0);
     assert_eq!(model.check_stages(&[idle]).unwrap_err().to_string(), "stages[0].steps = 0: must be at least 1");
-    // symptom: 10^18 steps went on for ever; mechanism: past a hundredth of the way a step no longer changed the fraction
+    // symptom: 10^18 steps went on for ever; mechanism: past a hundredth of the way a step no longer changed the
+    // fraction
     let endless = Stage::new(vec![turn(START, Vec3::x(), 3.0)], 1_000_000_001);
     let text = model.check_stages(&[endless]).unwrap_err().to_string();
     assert_eq!(text, "stages[0].steps = 1000000001: must be at most 1000000000");

@@ -95,9 +95,9 @@ fn moved(state: &State, there: &Vec3) -> State {
 }
 
 impl Solver {
-    /// Where a state of the only rod is a long plectoneme that nothing holds: one whose ends are at rest, with the contact
-    /// offsets that hold them there. None where it is not, or where the short rod does not converge. Iterations on
-    /// the short rod are added to `elsewhere`.
+    /// Where a state of the only rod is a long plectoneme that nothing holds: one whose ends are at rest, with the
+    /// contact offsets that hold them there. None where it is not, or where the short rod does not converge. Iterations
+    /// on the short rod are added to `elsewhere`.
     pub(super) fn periodic_extension(&mut self, whole: &State, elsewhere: &mut usize) -> Option<Guess> {
         let found = TURNS.iter().find_map(|turns| self.lengthened_from(whole, *turns));
         let Lengthened { guess, iterations, timings } = found?;

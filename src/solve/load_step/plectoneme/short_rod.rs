@@ -28,8 +28,8 @@ const LENGTHS: f64 = 30.0;
 
 impl Solver {
     /// The plectoneme that a uniform rod snaps into whose end turns ([`turned_end`](super::growth::turned_end)); `None`
-    /// if it is not straight, not long, stable, or if loads or obstacles make places of it differ, but for its ends. Iterations on the short
-    /// rod are added to `elsewhere`.
+    /// if it is not straight, not long, stable, or if loads or obstacles make places of it differ, but for its ends.
+    /// Iterations on the short rod are added to `elsewhere`.
     pub(super) fn snapped_short(&mut self, to: &State, elsewhere: &mut usize) -> Option<Guess> {
         let nodes = short_length(&self.engine)?;
         if !self.is_unstable(to)? {

@@ -1,7 +1,7 @@
 //! Snap of a ring into a plectoneme by several turns at once.
 //!
-//! A ring with more than √3 B/C turns buckles out of its plane (Michell 1889, Zajac 1962), and with several turns more it
-//! ends as a double helix between two loops. Its shape is known: the plectoneme of least energy at that link
+//! A ring with more than √3 B/C turns buckles out of its plane (Michell 1889, Zajac 1962), and with several turns more
+//! it ends as a double helix between two loops. Its shape is known: the plectoneme of least energy at that link
 //! ([`Plectoneme::of_link`]). The way there from the ring leads through other equilibria and costs hundreds of
 //! iterations, the more the longer the ring.
 
@@ -19,9 +19,9 @@ use crate::solve::problem::state::{PrescribedValue, State};
 const UNKNOTTED: f64 = 2.0 * TAU;
 
 impl Solver {
-    /// The plectoneme with the link to which a drive turns the only rod; `None` unless that is by more than a turn, and the
-    /// rod a free uniform ring that may be no knot and is long enough. It lies with its ends where node 0 and the one
-    /// opposite to it are, as far as that goes.
+    /// The plectoneme with the link to which a drive turns the only rod; `None` unless that is by more than a turn, and
+    /// the rod a free uniform ring that may be no knot and is long enough. It lies with its ends where node 0 and the
+    /// one opposite to it are, as far as that goes.
     pub(super) fn wound_ring(&self, drive: &PrescribedMotion) -> Option<State> {
         if drive.parts(TURNS_AT_ONCE).len() < 2 {
             return None;

@@ -37,12 +37,14 @@ impl Parameter {
     /// The ramp seen from the solver's present state.
     ///
     /// # Errors
-    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`] or a [`Ramp::Pose`]; joined nodes that move; a model
-    /// with obstacles.
+    /// A ramp whose target is where it already is; a [`Ramp::RotationAbout`] or a [`Ramp::Pose`]; joined nodes that
+    /// move; a model with obstacles.
     pub(super) fn new(solver: &Solver, ramp: &Ramp) -> Result<Self, InputError> {
         if !solver.engine.model.obstacles.is_empty() {
             let reason =
-                "paths of rods that may touch planes or other obstacles cannot be followed: go in steps (`step_to`, `run`)".to_owned();
+                "paths of rods that may touch planes or other obstacles cannot be followed: go in steps (`step_to`, \
+                 `run`)"
+                    .to_owned();
             return Err(InputError::Inconsistent { field: "obstacles".to_owned(), reason });
         }
         let state = solver.engine.state();

@@ -78,8 +78,9 @@ impl Engine {
         }
     }
 
-    /// Forces Bᵀ C B x on the nodes, six numbers each, of a motion x. Strains are differences of motions, so rounding acts as small
-    /// strains do, which balance; that of sums in a matrix acts as forces on the whole, which slender rods yield to.
+    /// Forces Bᵀ C B x on the nodes, six numbers each, of a motion x. Strains are differences of motions, so rounding
+    /// acts as small strains do, which balance; that of sums in a matrix acts as forces on the whole, which slender
+    /// rods yield to.
     pub(in crate::solve) fn material_product(&self, state: &State, motion: &[f64]) -> Vec<f64> {
         // strains that stay as they are, in place of the linear change
         let (_, mut forces) = self.elastic_second_order(state, state, motion);

@@ -47,8 +47,8 @@ impl Engine {
         elements.flat_map(move |e| (0..=order).map(move |a| (e.nodes[a], weights[a] * length)))
     }
 
-    /// Pressure p on a closed planar rod has the potential p × enclosed area, ±½∮(x dy − y dx): minus for rods that start
-    /// clockwise.
+    /// Pressure p on a closed planar rod has the potential p × enclosed area, ±½∮(x dy − y dx): minus for rods that
+    /// start clockwise.
     fn add_pressure(&self, rod: usize, state: &State, out: &mut Residual, mut sink: Option<&mut Sink>) {
         let order = self.model.rods[rod].order;
         let pressure = state.pressures[rod] * turning(&self.model.rods[rod].positions);

@@ -74,8 +74,9 @@ fn far_from_the_origin_forces_are_the_same() {
     assert!(difference(&here.contact_gradient, &there.contact_gradient) < 1e-12 * pressed);
 }
 
-/// What counts as rounding of the potential is some times its scatter between states that are next to the same. With 10⁻¹¹
-/// of the energy, far more than that, searches did not see what they gained along soft slides, and went to and fro.
+/// What counts as rounding of the potential is some times its scatter between states that are next to the same. With
+/// 10⁻¹¹ of the energy, far more than that, searches did not see what they gained along soft slides, and went to and
+/// fro.
 #[test]
 fn rounding_of_the_potential_is_its_scatter() {
     for mut engine in [engine(), engine_on_planes()] {
@@ -191,7 +192,8 @@ fn gradient_and_tangent_at_curved_surfaces_match_finite_differences() {
     }
 }
 
-/// The rings, each with a body that a node of it carries, and that the other one touches: a bead, or a capsule along an axis.
+/// The rings, each with a body that a node of it carries, and that the other one touches: a bead, or a capsule along an
+/// axis.
 fn engine_with_bodies(piece: Option<(f64, Option<f64>)>) -> Engine {
     let Engine { mut model, mut state, .. } = engine();
     let [own, other] = [NodeRef { rod: 0, node: 2 }, NodeRef { rod: 1, node: 14 }];

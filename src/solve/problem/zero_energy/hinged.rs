@@ -1,9 +1,10 @@
-//! Rotations of parts of joined rods about the pins and hinges that the others hold them by: a bar of a mobile turns about the
-//! plumb line through its pin, a bar between two pins about the line through these.
+//! Rotations of parts of joined rods about the pins and hinges that the others hold them by: a bar of a mobile turns
+//! about the plumb line through its pin, a bar between two pins about the line through these.
 //!
-//! A part is what a point, pinned or hinged, holds and no support, obstacle or other contact: it turns about that point, at a hinge
-//! about the axis, and the force of the joint does no work. A body that only pins and supports of positions hold, all on one line,
-//! turns about that line. Parts are nested or disjoint, because the body that is held first, or else the first one, is in none of them.
+//! A part is what a point, pinned or hinged, holds and no support, obstacle or other contact: it turns about that
+//! point, at a hinge about the axis, and the force of the joint does no work. A body that only pins and supports of
+//! positions hold, all on one line, turns about that line. Parts are nested or disjoint, because the body that is held
+//! first, or else the first one, is in none of them.
 
 use std::collections::BTreeMap;
 

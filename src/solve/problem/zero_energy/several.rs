@@ -1,8 +1,9 @@
 //! Motions of several rods that cost nothing: the rigid ones of each group of free rods that touch each other but
 //! nothing else, and the spin of each free isotropic closed rod about its centreline, which contact without friction
-//! does not feel; of groups that are held somewhere, those of these motions that their supports let pass (two linked rings, one of
-//! them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of closed rods
-//! along themselves is left to the mesh's ripple. What pins and hinges let turn: see [`hinged`](super::hinged).
+//! does not feel; of groups that are held somewhere, those of these motions that their supports let pass (two linked
+//! rings, one of them clamped at a node, swing about its tangent there while the clamped one spins back). Sliding of
+//! closed rods along themselves is left to the mesh's ripple. What pins and hinges let turn: see
+//! [`hinged`](super::hinged).
 
 use super::hinged::part_rotations;
 use super::{
@@ -125,8 +126,8 @@ impl Several {
         super::weighted(self.weights, a, b)
     }
 
-    /// Orthonormalises a motion against those from `start` on, which its rods may share, and adds it if it is no combination
-    /// of them, nor smaller than `least`.
+    /// Orthonormalises a motion against those from `start` on, which its rods may share, and adds it if it is no
+    /// combination of them, nor smaller than `least`.
     fn add(&mut self, start: usize, mut motion: NodalMotions, least: f64) {
         let size = |motion: &NodalMotions, several: &Self| {
             motion.iter().map(|(_, values)| several.dot(values, values)).sum::<f64>().sqrt()
@@ -162,7 +163,8 @@ fn by_rods(engine: &Engine, rods: &[usize], motion: &[f64]) -> NodalMotions {
     rods.iter().map(piece).collect()
 }
 
-/// Rods that touch each other, or bodies that they carry, or are joined, directly or by others; each group and the groups in the order of their first rods.
+/// Rods that touch each other, or bodies that they carry, or are joined, directly or by others; each group and the
+/// groups in the order of their first rods.
 fn groups(engine: &Engine, residual: &Residual) -> Vec<Vec<usize>> {
     let mut scratch = Vec::new();
     let mut touching = Groups::apart(engine.model.rods.len(), &mut scratch);

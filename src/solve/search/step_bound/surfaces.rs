@@ -1,20 +1,22 @@
 //! How far a step may go before a strand passes the surface of an obstacle.
 //!
-//! A strand must stay where the signed distance φ is positive. A linear motion of control points is bounded by a function of
-//! the curve's parameter u and the fraction t that is below φ, a cubic of u whose coefficients are concave in t:
+//! A strand must stay where the signed distance φ is positive. A linear motion of control points is bounded by a
+//! function of the curve's parameter u and the fraction t that is below φ, a cubic of u whose coefficients are concave
+//! in t:
 //!
 //! * outside a convex body φ is convex, so it is above its tangent anywhere: the distance from the tangent plane at the
 //!   nearest point, linear in t. Of a plane this is φ itself.
 //! * inside a convex body φ is concave: φ of a point of a curve is above the same mean of φ of its control points.
 //!
-//! Segments are divided into parts so short that the bound is near φ at t = 0. Dinkelbach's iteration (Management Science 13
-//! (1967) 492), Newton's method from above, finds the largest fraction under which all points keep their distance: the nearest
-//! point says how far the step may go, until it is the same point twice. The second-order part of the rotations is left out,
-//! and bounded as between strands.
+//! Segments are divided into parts so short that the bound is near φ at t = 0. Dinkelbach's iteration (Management
+//! Science 13 (1967) 492), Newton's method from above, finds the largest fraction under which all points keep their
+//! distance: the nearest point says how far the step may go, until it is the same point twice. The second-order part of
+//! the rotations is left out, and bounded as between strands.
 //!
-//! Of a body that a node carries the motion of the strand relative to it counts: δr − δc − θ × a from its point c, a = r − c. What a
-//! finite turn of the body adds is of second order: from a + δ, δ = δr − δc, it takes |θ| |θ⊥| (|a| + |δ|)/2 + |θ⊥| |δ| or less, θ⊥ the
-//! part of θ across the body's axis, because turns about the axis move no surface; none of a sphere's does.
+//! Of a body that a node carries the motion of the strand relative to it counts: δr − δc − θ × a from its point c, a =
+//! r − c. What a finite turn of the body adds is of second order: from a + δ, δ = δr − δc, it takes |θ| |θ⊥| (|a| +
+//! |δ|)/2 + |θ⊥| |δ| or less, θ⊥ the part of θ across the body's axis, because turns about the axis move no surface;
+//! none of a sphere's does.
 
 use super::{Keep, SegmentMotion};
 use crate::contact::potential::surface::{ball, nearest_in, point_of, relative};
@@ -31,8 +33,8 @@ const LOST: f64 = 0.05;
 /// Parts of a segment, at most, because a node spacing is some dozens of radii at most where strands touch.
 const MAX_PARTS: f64 = 64.0;
 
-/// Largest t ≤ 1 for which no point of a strand comes nearer to an obstacle than is to be kept. Strands that are beyond one
-/// already are pushed back, and may move.
+/// Largest t ≤ 1 for which no point of a strand comes nearer to an obstacle than is to be kept. Strands that are beyond
+/// one already are pushed back, and may move.
 pub(super) fn fraction(side: &ContactSide, increment: &[f64], motions: &[SegmentMotion], keep: Keep) -> f64 {
     if side.surfaces.is_empty() {
         return 1.0;

@@ -154,8 +154,8 @@ impl Workspace {
 }
 
 /// Extent of a step: the largest rotation of a node, rad, or the largest relative displacement of strands in contact
-/// over their contact distance (at obstacles along the normal only, because sliding changes nothing there), or the largest
-/// displacement of a rod that falls over the model's length.
+/// over their contact distance (at obstacles along the normal only, because sliding changes nothing there), or the
+/// largest displacement of a rod that falls over the model's length.
 fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let falling = (0..engine.model.rods.len()).filter(|rod| is_falling(engine, *rod));
     let ways = falling.flat_map(|rod| engine.nodes(rod)).map(|node| displacement(step, node).norm());

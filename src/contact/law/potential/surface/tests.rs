@@ -101,8 +101,8 @@ fn runs_go_on_over_seams() {
     assert_eq!(found, [vec![(0, 0), (1, 0)], vec![(3, 0), (0, 0)], vec![(0, 1)]]);
 }
 
-/// A strand that dives through the plane and comes up again: zones end where it passes the limit, and the nearest place is at
-/// its lowest point, or at the end of an interval without it.
+/// A strand that dives through the plane and comes up again: zones end where it passes the limit, and the nearest place
+/// is at its lowest point, or at the end of an interval without it.
 #[test]
 fn zones_and_nearest_places_of_cubics() {
     // z = (u − .25)(u − .5)(u − .75), and its deepest place between the last two
@@ -121,8 +121,8 @@ fn zones_and_nearest_places_of_cubics() {
     assert_eq!(nearest_in(&FLOOR, &r, [0.0, 1.0]).0, 0.0);
 }
 
-/// Zones of curved surfaces are those that many points of the curve tell, also where the limit is beyond the skeleton, and the
-/// nearest place is the nearest of them.
+/// Zones of curved surfaces are those that many points of the curve tell, also where the limit is beyond the skeleton,
+/// and the nearest place is the nearest of them.
 #[test]
 fn zones_at_curved_surfaces_are_those_of_many_points() {
     let mut seed = 7_u64;

@@ -96,7 +96,8 @@ impl JsonSchema for NaturalText {
                     "additionalProperties": false
                 }
             ],
-            "x-value": "`\"straight\"`, `\"as-shaped\"`, `{ curvature = [k1, k2], twist = k3 }` or `{ table = \"file.csv\" }`"
+            "x-value": "`\"straight\"`, `\"as-shaped\"`, `{ curvature = [k1, k2], twist = k3 }` or `{ table \
+             = \"file.csv\" }`"
         })
     }
 }
