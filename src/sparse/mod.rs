@@ -1,9 +1,8 @@
 //! Sparse symmetric matrices over nodes with up to six unknowns each: [`pattern`] (built once per contact graph,
 //! refilled), `ordering` (orders of elimination), [`factor`] (LDLᵀ with inertia; the only file that names the sparse
-//! library), `fronts` (the order of its work, on all threads).
+//! library).
 
 pub mod factor;
-mod fronts;
 mod ordering;
 pub mod pattern;
 

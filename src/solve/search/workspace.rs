@@ -153,7 +153,7 @@ impl Workspace {
             }
         }
         self.factorised = shift;
-        let inertia = timed(&mut self.timings.factor, || engine.install(|| factor.factorise(pattern, values)));
+        let inertia = timed(&mut self.timings.factor, || factor.factorise(pattern, values));
         for (eq, value) in self.unshifted.iter().enumerate() {
             values[pattern.diagonal(eq)] = *value;
         }
