@@ -130,32 +130,3 @@ fn contacts_of_strands_bent_about_each_other_balance() {
         assert_eq!(start.sites.len(), sites, "{name}: {:?}", start.sites);
     }
 }
-
-/// Symptom: stretched strands wound about each other rested 1e-3 radii apart, or in each other, by the elements' own
-/// centrelines. Mechanism: the handles of the contact curves had the reference length, which puts these
-/// (λ − 1) κ (λh)²/8 beside the rod.
-#[test]
-fn stretched_strands_touch_where_they_are() {
-    let strand = |name: &str, center: f64, [turns, stretching, elements]: [f64; 3]| {
-        format!(
-            "[[rods]]\nname = \"{name}\"\nelements = {elements}\n\
-             shape = {{ kind = \"helix\", radius = 0.05, pitch = 0.4, turns = {turns}, center = [0, 0, {center}] }}\n\
-             section = {{ bending = 1, twisting = 1, stretching = {stretching}, shearing = 1e4, contact_radius = \
-             0.0495 }}\n"
-        )
-    };
-    for (of_rod, way) in [([2.0, 300.0, 16.0], 0.25), ([1.5, 400.0, 14.0], 0.2)] {
-        let rods = ["start", "end"]
-            .map(|at| format!("[[supports]]\nrod = [\"a\", \"b\"]\nat = \"{at}\"\nposition = true\nrotation = true\n"));
-        let stage = format!(
-            "[[stages]]\nramp = {{ displacement = {{ rod = [\"a\", \"b\"], at = \"end\", to = [0, 0, {way}] }} }}\n\
-             steps = 2\n"
-        );
-        let strands = strand("a", 0.0, of_rod) + &strand("b", 0.2, of_rod);
-        for state in of_text(&(strands + &rods.concat() + &stage)) {
-            let gap = state.min_gap.unwrap();
-            let largest = gap.lower.abs().max(gap.upper.abs()) / 0.0495;
-            assert!(largest < 2e-4, "{} elements, step {}: {largest:e} radii", of_rod[2], state.step);
-        }
-    }
-}

@@ -6,82 +6,51 @@ use crate::math::quaternion::spin;
 use crate::math::shape_functions::lagrange_weight;
 use crate::math::{Vec3, parallel};
 use crate::rod::element::raw_strains;
-use crate::solve::problem::contact_tangents::{MaterialTangents, is_sheared};
+use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 
-/// Deviation of fitted directions, rad, from which they are renewed, because forces change by as little.
+/// Deviation of fitted tangents, rad, from which they are renewed, because forces change by as little.
 const FOLLOWED: f64 = 1e-3;
-/// Way that the centreline goes sideways with other lengths of its tangents, in contact radii, from which they are
-/// renewed, because on usual meshes the elements' own centrelines are up to ten times as far from it.
-const LENGTHENED: f64 = 1e-4;
 /// Shear from which tangents are fitted, because up to it directors are off by a hundredth.
 const SHEARED: f64 = 0.1;
 
 impl Engine {
-    /// Tangents for a state, along d3 on rods that are nowhere sheared by more than [`SHEARED`], and of length 1 on
-    /// those whose stretch moves the centreline by no more than [`LENGTHENED`].
+    /// Tangents for a state: d3 along rods that are nowhere sheared by more than [`SHEARED`].
     pub(in crate::solve) fn tangents_of(&self, state: &State) -> MaterialTangents {
         self.replaced(&MaterialTangents::directors(self.num_nodes()), state)
     }
 
-    /// The tangents of a state: along a rod the directions that are known if none is off by more than [`FOLLOWED`], or
-    /// [`SHEARED`] where they are directors, and the lengths that are known if others move the centreline by no more
-    /// than [`LENGTHENED`]; otherwise those measured. A rod has either all of them or none, because a jump from one
-    /// node to the next would be a bend.
+    /// The tangents of a state along rods where one of those known is off by more than [`FOLLOWED`], or [`SHEARED`]
+    /// where they are directors. A rod has either all its tangents or none, because a jump from one node to the next
+    /// would be a bend.
     fn replaced(&self, MaterialTangents(known): &MaterialTangents, state: &State) -> MaterialTangents {
         let mut tangents = self.measured_tangents(state);
-        for rod in 0..self.model.rods.len() {
-            let nodes = self.nodes(rod);
-            let longer = self.lengthened(rod, (known, &tangents), state) > LENGTHENED;
-            let (known, tangents) = (&known[nodes.clone()], &mut tangents[nodes]);
-            let tol = if known.iter().any(is_sheared) { FOLLOWED } else { SHEARED };
-            let turned = known.iter().zip(&*tangents).any(|(known, measured)| known.angle(measured) > tol);
-            for (tangent, known) in tangents.iter_mut().zip(known) {
-                *tangent = match (turned, longer) {
-                    (true, true) => *tangent,
-                    (true, false) => tangent.normalize() * known.norm(),
-                    (false, true) => known.normalize() * tangent.norm(),
-                    (false, false) => *known,
-                };
+        for nodes in (0..self.model.rods.len()).map(|rod| self.nodes(rod)) {
+            let is_sheared = nodes.clone().any(|n| known[n] != Vec3::z());
+            let tol = if is_sheared { FOLLOWED } else { SHEARED };
+            let is_off = |n: usize| known[n].angle(&tangents[n]) > tol;
+            if !nodes.clone().any(is_off) {
+                tangents[nodes.clone()].copy_from_slice(&known[nodes]);
             }
         }
         MaterialTangents(tangents)
     }
 
-    /// How far the centreline of a rod goes sideways if its tangents get the lengths of others, over the contact
-    /// radius; 0 without one. Between nodes h apart handles that are δ h/3 longer move its middle by δ h/8 times the
-    /// change of direction.
-    fn lengthened(&self, rod: usize, (known, tangents): (&[Vec3], &[Vec3]), state: &State) -> f64 {
-        let of_rod = &self.model.rods[rod];
-        let (radius, spacing) = (of_rod.section.contact_radius, of_rod.spacing());
-        if radius == 0.0 {
-            return 0.0;
-        }
-        let longer = |n: usize| (tangents[n].norm() - known[n].norm()).abs();
-        let direction = |n: usize| state.frames[n] * known[n].normalize();
-        let sideways = |[a, b]: [usize; 2]| longer(a).max(longer(b)) * (direction(a) - direction(b)).norm();
-        let (nodes, closes) = (self.nodes(rod), of_rod.closed);
-        let last = closes.then(|| [nodes.end - 1, nodes.start]);
-        let pairs = (nodes.start + 1..nodes.end).map(|n| [n - 1, n]).chain(last);
-        pairs.map(sideways).fold(0.0, f64::max) * spacing / (8.0 * radius)
-    }
-
     /// The tangents that the strains of a state tell: at each node the mean of those of its elements.
     fn measured_tangents(&self, state: &State) -> Vec<Vec3> {
         let at_nodes = parallel::map(self.elements.len(), parallel::CHEAP, &|e| self.tangents_in(state, e));
-        let mut sums = vec![(Vec3::zeros(), 0.0); self.num_nodes()];
+        let mut sums = vec![Vec3::zeros(); self.num_nodes()];
         for (element, tangents) in self.elements.iter().zip(&at_nodes) {
             let order = self.model.rods[element.rod].order;
             for (a, tangent) in tangents[..=order].iter().enumerate() {
                 let through_seam = element.closes && a == order;
                 // from the frame at s = L to that at s = 0
                 let own = if through_seam { spin(state.seams[element.rod]) * tangent } else { *tangent };
-                let (sum, count) = &mut sums[element.nodes[a]];
-                (*sum, *count) = (*sum + own, *count + 1.0);
+                sums[element.nodes[a]] += own;
             }
         }
-        sums.into_iter().map(|(sum, count)| if sum == Vec3::zeros() { Vec3::z() } else { sum / count }).collect()
+        sums.into_iter().map(|sum| sum.try_normalize(0.0).unwrap_or(Vec3::z())).collect()
     }
 
     /// r′ at the nodes of an element: the polynomial through its values at the integration points.
@@ -157,25 +126,6 @@ mod tests {
             let points = side.set.segments.iter().flat_map(|s| (0..8).map(|k| s.point(f64::from(k) / 8.0)));
             let farthest = points.map(|r| (r.norm() - 1.0).abs()).fold(0.0, f64::max);
             assert!(farthest < 2e-5, "tilted by {angle}: {farthest:e}");
-        }
-    }
-
-    /// With the reference length for its tangents a stretched ring's centreline would be (λ − 1)(λh)²/8 beside the
-    /// circle.
-    #[test]
-    fn the_centreline_of_a_stretched_ring_is_a_circle() {
-        for (angle, stretch) in [(0.0, 1.2), (0.0, 0.8), (0.4, 1.2), (0.0, 1.0001)] {
-            let mut engine = tilted_ring(angle);
-            engine.state.positions.iter_mut().for_each(|p| *p *= stretch);
-            engine.take_tangents();
-            let state = engine.state.clone();
-            engine.update_contact(&state).unwrap();
-            let side = engine.contact.as_ref().unwrap();
-            assert_eq!(side.tangents.are_sheared(), angle != 0.0);
-            let points = side.set.segments.iter().flat_map(|s| (0..8).map(|k| s.point(f64::from(k) / 8.0)));
-            let farthest = points.map(|r| (r.norm() - stretch).abs()).fold(0.0, f64::max);
-            assert!(farthest < 2e-5, "stretched by {stretch}: {farthest:e}");
-            assert!(!engine.follow_tangents());
         }
     }
 

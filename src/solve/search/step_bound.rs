@@ -184,10 +184,9 @@ impl ContactSide {
         let (da, db) = (displacement(increment, a), displacement(increment, b));
         let (ta, tb) = (rotation(increment, a), rotation(increment, b));
         let lever = self.set.lengths[segment] / 3.0;
-        let handle = |n: usize| self.tangents.at(state, n) * lever;
-        let linear = [da, da + ta.cross(&handle(a)), db - tb.cross(&handle(b)), db];
-        let second_order = |n: usize, turn: &Vec3| 0.5 * lever * self.tangents.length(n) * turn.norm_squared();
-        SegmentMotion { linear, second_order: second_order(a, &ta).max(second_order(b, &tb)) }
+        let tangent = |n: usize| self.tangents.at(state, n);
+        let linear = [da, da + ta.cross(&tangent(a)) * lever, db - tb.cross(&tangent(b)) * lever, db];
+        SegmentMotion { linear, second_order: 0.5 * lever * ta.norm_squared().max(tb.norm_squared()) }
     }
 }
 
