@@ -18,11 +18,9 @@
 //!   − 1)², grows by ½w² (n² − 1)/ρ² times B (n² − 1)/ρ² − P + B/ρ², P = EA (1 − λ): the circle is left at P = 4B/ρ², n
 //!   = 2.
 //! * A rod in a tube, pushed and turned: Thompson, Silveira, van der Heijden and Wiercigroch, Proc. R. Soc. A 468
-//!   (2012)
-//!   1591. Away from its ends it is a helix on a cylinder of radius a = R − ε at the angle β to the axis. Its curvature
-//!         is
-//!   sin²β/a, it turns by sin β/a about the axis a length, and its torque is the moment M about the axis throughout.
-//!   Under the tension T along the axis
+//!   (2012) 1591. Away from its ends it is a helix on a cylinder of radius a = R − ε at the angle β to the axis. Its
+//!   curvature is sin²β/a, it turns by sin β/a about the axis a length, and its torque is the moment M about the axis
+//!   throughout. Under the tension T along the axis
 //!
 //!   ```text
 //!   V = ½B sin⁴β/a² − T cos β − M sin β (1 − cos β)/a      ∂V/∂β = 0, p = −∂V/∂a
