@@ -5,10 +5,11 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use supercoil::io::run::run_observed;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::scene::Scene;
+use supercoil::scene::{NodeRef, Scene, Support, SupportChange};
 use supercoil::solve::{Options, Restart, Solution, Status, run_from};
 
 const BEAM: &str = r#"
@@ -254,4 +255,21 @@ fn charges_that_the_mesh_is_too_coarse_for_are_refused() {
     assert!(grown.contains("stages[0].ramp.length") && grown.contains("pieces"), "{grown}");
     let thin = ring(20.0, "[[stages]]\nramp = { section = { contact_radius = 1e-4 } }\nsteps = 1\n").unwrap_err();
     assert!(thin.contains("contact_radius") && thin.contains("pieces"), "{thin}");
+}
+
+/// A stage whose path is followed is one ramp: a scene that the library puts together otherwise is refused, too.
+#[test]
+fn a_followed_stage_holds_and_releases_nothing() {
+    let stage = "[[supports]]\nat = \"end\"\nposition = true\n\
+        [[stages]]\nramp = { displacement = { at = \"end\", to = [-0.2, 0.3, 0] } }\nfollow = { max_points = 3 }\n";
+    let mut scene = Scene::from_toml(&format!("{BEAM}{stage}"), Path::new("")).unwrap();
+    let follow = |scene: &Scene| {
+        let seen = &mut |_: supercoil::io::run::ReportedState<'_>| ControlFlow::Continue(());
+        run_observed(scene, &Options::default(), (None, &[]), seen)
+    };
+    assert_eq!(follow(&scene).unwrap().status, Status::Converged);
+    let end = Support::clamp(NodeRef { rod: 0, node: 24 });
+    scene.stages[0].supports.push(SupportChange::Release(end));
+    let error = follow(&scene).unwrap_err().to_string();
+    assert!(error.contains("stages[0].follow") && error.contains("one ramp"), "{error}");
 }

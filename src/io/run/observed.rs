@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::error::InputError;
 use crate::observe::report::{Linking, Observation};
 use crate::observe::{EndLinks, mesh_note, observe};
 use crate::scene::file::{FollowChoice, FollowStart};
@@ -26,16 +27,14 @@ pub struct ReportedState<'a> {
 /// accepted state. A run is taken up at `from`, after the states with the reports `before`.
 ///
 /// # Errors
-/// As [`solve::run_from`].
+/// As [`solve::run_from`]; a stage that is followed, but is more than one ramp.
 pub fn run_observed(
     scene: &Scene,
     options: &Options,
     (from, before): (Option<Restart>, &[Observation]),
     see: &mut dyn FnMut(ReportedState) -> ControlFlow<()>,
 ) -> Result<Solution, RunError> {
-    let path = scene.stages.last().and_then(|last| {
-        Some(FollowedStage { index: scene.stages.len() - 1, choice: scene.follow?, ramp: last.ramps.first()? })
-    });
+    let path = FollowedStage::of(scene)?;
     let stepped = path.as_ref().map_or(&scene.stages[..], |path| &scene.stages[..path.index]);
     let mut reporter = StateReporter {
         scene,
@@ -60,7 +59,20 @@ struct FollowedStage<'a> {
     ramp: &'a Ramp,
 }
 
-impl FollowedStage<'_> {
+impl<'a> FollowedStage<'a> {
+    /// The last stage of a scene, if the scene follows it.
+    fn of(scene: &'a Scene) -> Result<Option<Self>, InputError> {
+        let (Some(choice), Some(last)) = (scene.follow, scene.stages.last()) else { return Ok(None) };
+        let index = scene.stages.len() - 1;
+        match (&last.supports[..], &last.ramps[..]) {
+            ([], [ramp]) => Ok(Some(Self { index, choice, ramp })),
+            _ => {
+                let reason = "follows one ramp; nodes are held and released by a stage of their own";
+                Err(InputError::inconsistent(format!("stages[{index}].follow"), reason))
+            }
+        }
+    }
+
     /// Follows the path from a solution.
     fn follow(
         &self,

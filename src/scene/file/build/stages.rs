@@ -73,8 +73,8 @@ pub(super) fn follow(text: &[StageText], model: &Model, stages: &[Stage]) -> Res
     };
     let Stage { supports, ramps, .. } = &stages[place];
     if !supports.is_empty() || !matches!(ramps.as_slice(), [only] if steady(only)) {
-        let reason =
-            "follows one ramp: of excess_link, rotation (without through), displacement of a node, load or pressure";
+        let reason = "follows one ramp: of excess_link, rotation (without through), displacement of a node, load or \
+            pressure; nodes are held and released by a stage of their own";
         return Err(InputError::inconsistent(field, reason));
     }
     text[place].follow.map(|choice| choice.check().map(|()| choice)).transpose()
