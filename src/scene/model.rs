@@ -411,6 +411,14 @@ impl Stage {
     pub fn new(ramps: Vec<Ramp>, steps: usize) -> Self {
         Self { supports: Vec::new(), ramps, steps }
     }
+
+    /// Its ramp, if that is all there is: a path can be followed along it.
+    pub(crate) fn only_ramp(&self) -> Option<&Ramp> {
+        match (&self.supports[..], &self.ramps[..]) {
+            ([], [ramp]) => Some(ramp),
+            _ => None,
+        }
+    }
 }
 
 /// A complete problem.

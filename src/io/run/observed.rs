@@ -64,13 +64,10 @@ impl<'a> FollowedStage<'a> {
     fn of(scene: &'a Scene) -> Result<Option<Self>, InputError> {
         let (Some(choice), Some(last)) = (scene.follow, scene.stages.last()) else { return Ok(None) };
         let index = scene.stages.len() - 1;
-        match (&last.supports[..], &last.ramps[..]) {
-            ([], [ramp]) => Ok(Some(Self { index, choice, ramp })),
-            _ => {
-                let reason = "follows one ramp; nodes are held and released by a stage of their own";
-                Err(InputError::inconsistent(format!("stages[{index}].follow"), reason))
-            }
-        }
+        let reason = "follows one ramp; nodes are held and released by a stage of their own";
+        let refused = || InputError::inconsistent(format!("stages[{index}].follow"), reason);
+        let ramp = last.only_ramp().ok_or_else(refused)?;
+        Ok(Some(Self { index, choice, ramp }))
     }
 
     /// Follows the path from a solution.

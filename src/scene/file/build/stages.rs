@@ -71,8 +71,7 @@ pub(super) fn follow(text: &[StageText], model: &Model, stages: &[Stage]) -> Res
                 | Ramp::Pressure { .. }
         )
     };
-    let Stage { supports, ramps, .. } = &stages[place];
-    if !supports.is_empty() || !matches!(ramps.as_slice(), [only] if steady(only)) {
+    if !stages[place].only_ramp().is_some_and(steady) {
         let reason = "follows one ramp: of excess_link, rotation (without through), displacement of a node, load or \
             pressure; nodes are held and released by a stage of their own";
         return Err(InputError::inconsistent(field, reason));

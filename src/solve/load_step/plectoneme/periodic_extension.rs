@@ -89,9 +89,10 @@ pub(super) fn centre(state: &State) -> Vec3 {
 }
 
 /// A state moved so that its centre is there.
-fn moved(state: &State, there: &Vec3) -> State {
-    let shift = there - centre(state);
-    state.with_nodes(state.positions().iter().map(|x| x + shift).collect(), state.frames().to_vec())
+fn moved(state: State, there: &Vec3) -> State {
+    let shift = there - centre(&state);
+    let positions = state.positions().iter().map(|x| x + shift).collect();
+    state.with_positions(positions)
 }
 
 impl Solver {
@@ -195,7 +196,7 @@ impl Solver {
         made: &[NodeOrigin],
         iterations: usize,
     ) -> Option<Lengthened> {
-        let mut long = moved(&long, &centre(before));
+        let mut long = moved(long, &centre(before));
         let angle = before.seams()[0] - long.seams()[0];
         twist(&self.engine, &mut long, 0, angle);
         let side = short.engine.contact.as_ref()?;
