@@ -5,6 +5,7 @@ pub(crate) mod bernstein;
 pub(crate) mod chebyshev;
 pub(crate) mod direction;
 pub(crate) mod groups;
+pub(crate) mod handles;
 pub mod link;
 pub(crate) mod minimise;
 pub(crate) mod parallel;

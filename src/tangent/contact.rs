@@ -172,10 +172,6 @@ pub(super) struct GapRate {
     pub(super) surface: Option<PushedBy>,
     /// Whether it is the mean of a point of contact.
     pub(super) is_point: bool,
-    /// Where it is on the strands: segment and parameter.
-    pub(super) on: [Option<(usize, f64)>; 2],
-    /// Towards the first strand.
-    pub(super) normal: Vec3,
 }
 
 /// An obstacle at a point of contact.
@@ -288,11 +284,9 @@ pub(super) fn gap_rates(engine: &Engine, contacts: &[Touching], residual: &Resid
         let Some(&contact) = owner.get(&pair([term.slave, term.master])) else { continue };
         let (segments, nodes) = ([term.slave, term.master], side.nodes_of(term));
         let cubics = segments.map(|segment| &side.set.segments[segment]);
-        rates[contact].extend(gap_gradients(term, cubics).map(|(rate, stiffness, [u, v])| {
+        rates[contact].extend(gap_gradients(term, cubics).map(|(rate, stiffness)| {
             let rate = at_nodes(&nodes, &rate);
-            let normal = (cubics[0].point(u) - cubics[1].point(v)).normalize();
-            let on = [Some((segments[0], u)), Some((segments[1], v))];
-            GapRate { rate, stiffness, rods: segments.map(rod), surface: None, is_point: false, on, normal }
+            GapRate { rate, stiffness, rods: segments.map(rod), surface: None, is_point: false }
         }));
     }
     for contact in &residual.surface_contacts {
@@ -302,8 +296,8 @@ pub(super) fn gap_rates(engine: &Engine, contacts: &[Touching], residual: &Resid
         rates[index].extend(contact.gap_gradients(&side.set).map(|(point, stiffness)| {
             let rate = at_nodes(&nodes[..count], &point.gap_gradient);
             let by = PushedBy { obstacle: contact.surface, sign: surface.sign, normal: point.normal, at: point.at };
-            let (rods, on) = ([rod(contact.segment), None], [Some((contact.segment, point.u)), None]);
-            GapRate { rate, stiffness, rods, surface: Some(by), is_point: false, on, normal: point.normal }
+            let rods = [rod(contact.segment), None];
+            GapRate { rate, stiffness, rods, surface: Some(by), is_point: false }
         }));
     }
     rates

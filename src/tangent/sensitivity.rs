@@ -22,10 +22,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::contact::GapRate;
 use super::observables::{Observable, of_node, of_rod};
-use super::{ContactResponse, EquilibriumTangent, contact};
+use super::{EquilibriumTangent, contact};
 use crate::error::InputError;
 use crate::math::Vec3;
-use crate::math::bernstein::cubic_weights;
 use crate::rod::RodNumber;
 use crate::scene::model::unit;
 use crate::scene::{Model, NodeRef, ObstacleNumber};
@@ -36,8 +35,7 @@ use crate::solve::{RunError, State};
 
 /// Relative step of numbers of rods: residuals are linear or quadratic in them.
 const STEP: f64 = 1e-3;
-/// The same of a length where strands touch, because it moves the contact curve, and of a radius or an obstacle over
-/// the overlap of the weakest contact: a force goes as the overlap to the power 3/2, whose difference of fourth order
+/// The same of a radius or an obstacle where strands touch, over the overlap of the weakest contact: a force goes as the overlap to the power 3/2, whose difference of fourth order
 /// is then right to 1e-9. Where offsets keep the overlaps, it is that of the change of an overlap to second order,
 /// h²/ε.
 const STEP_OF_GAPS: f64 = 1e-2;
@@ -254,7 +252,6 @@ impl PrescribedNumber {
                 let size = which.iter().map(|&number| rod.number(number).abs()).fold(0.0, f64::max);
                 let step = match (&which[..], near) {
                     ([RodNumber::ContactRadius], Some(near)) => return near,
-                    ([RodNumber::Length], Some(_)) => STEP_OF_GAPS * STEP,
                     _ => STEP,
                 };
                 if size > 0.0 { step * size } else { step / rod.length }
@@ -475,11 +472,7 @@ impl EquilibriumTangent<'_> {
         let contact_force = sums.pop().unwrap_or_default();
         let gaps = sums.split_off(6 * self.engine.num_nodes());
         let mut rate = Rate { forces: sums, gaps, contact_force, value };
-        let locks_lines = self.choice == ContactResponse::Locked && self.contacts.iter().any(|c| !c.is_point);
-        let is_length =
-            matches!(parameter, PrescribedNumber::Number { which, .. } if which.contains(&RodNumber::Length));
-        let curves = if is_length && locks_lines { self.rates_of_curves(parameter)? } else { Vec::new() };
-        self.add_changes(parameter, &curves, &mut rate);
+        self.add_changes(parameter, &mut rate);
         Ok(rate)
     }
 
@@ -532,36 +525,15 @@ impl EquilibriumTangent<'_> {
         Rate { forces, gaps: vec![0.0; self.closed.len()], contact_force: 0.0, value }
     }
 
-    /// Rates of the control points of all contact curves with a length, nodes as they are.
-    fn rates_of_curves(&mut self, parameter: &PrescribedNumber) -> Result<Vec<[Vec3; 4]>, RunError> {
-        let step = parameter.step(self.engine, Some(0.0));
-        let engine = &mut *self.engine;
-        let mut failed: Option<RunError> = None;
-        let rates = difference(step, |by| {
-            let state = parameter.changed(engine, by);
-            let points = |engine: &Engine| -> Vec<f64> {
-                let segments = engine.contact.iter().flat_map(|side| &side.set.segments);
-                segments.flat_map(|segment| segment.b).flat_map(|b| [b.x, b.y, b.z]).collect()
-            };
-            let found = engine.at_state(&state, points).map_err(RunError::from).and_then(|all| Ok(all?));
-            found.unwrap_or_else(|error| {
-                failed = Some(error);
-                Vec::new()
-            })
-        });
-        let of_segment = |b: &[f64]| std::array::from_fn(|m| Vec3::new(b[3 * m], b[3 * m + 1], b[3 * m + 2]));
-        failed.map_or_else(|| Ok(rates.chunks_exact(12).map(of_segment).collect()), Err)
-    }
-
-    /// What the changes of the chosen response add to rates by the law, `curves` those of the curves that move at fixed
-    /// unknowns: of points that stay closed nothing, because their offsets take it up.
-    fn add_changes(&self, parameter: &PrescribedNumber, curves: &[[Vec3; 4]], rate: &mut Rate) {
+    /// What the changes of the chosen response add to rates by the law: of points that stay closed nothing, because their
+    /// offsets take it up.
+    fn add_changes(&self, parameter: &PrescribedNumber, rate: &mut Rate) {
         let mut forces = vec![0.0; rate.forces.len()];
         for gap in contact::changes(self.choice, &self.contacts, &self.rates) {
             if gap.is_point && !self.closed.is_empty() {
                 continue;
             }
-            let force = gap.stiffness * (parameter.closing(self.engine, &gap) + gap.closing_by(curves));
+            let force = gap.stiffness * parameter.closing(self.engine, &gap);
             rate.contact_force += force;
             for (node, six) in &gap.rate {
                 (0..6).for_each(|k| forces[6 * node + k] -= force * six[k]);
@@ -641,18 +613,6 @@ impl EquilibriumTangent<'_> {
 fn along(rate: &[(usize, [f64; 6])], (node, displacement, rotation): (usize, Vec3, Vec3)) -> f64 {
     let of_six = |six: &[f64; 6]| (0..3).map(|k| six[k] * displacement[k] + six[3 + k] * rotation[k]).sum::<f64>();
     rate.iter().filter(|(own, _)| *own == node).map(|(_, six)| of_six(six)).sum()
-}
-
-impl GapRate {
-    /// By how much it closes as curves move at these rates.
-    fn closing_by(&self, curves: &[[Vec3; 4]]) -> f64 {
-        let of_strand = |(place, sign): (&Option<(usize, f64)>, f64)| {
-            let (segment, u) = (*place)?;
-            let moved: Vec3 = cubic_weights(u).iter().zip(curves.get(segment)?).map(|(w, b)| b * *w).sum();
-            Some(-sign * self.normal.dot(&moved))
-        };
-        self.on.iter().zip([1.0, -1.0]).filter_map(of_strand).sum()
-    }
 }
 
 impl contact::ClosedPoint {

@@ -17,7 +17,7 @@ use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Along, Natural, Rod, RodMesh, Section, Shape};
 use supercoil::scene::{Contact, ContactLaw, LineLoad, Model, NodeRef, Ramp, Support};
-use supercoil::solve::{FollowOptions, Options, PathEnd, Solver, Status};
+use supercoil::solve::{FollowOptions, NewtonOptions, Options, PathEnd, Solver, Status};
 
 const RADIUS: f64 = 0.01;
 
@@ -95,9 +95,10 @@ fn crossed_beams_press_with_the_exact_force() {
             let stretch = 1e7 * deflection * deflection / 40.0;
             let tolerance = 2e-3 + stretch;
             assert!((seen.total_contact_force / exact - 1.0).abs() < tolerance, "force {}", seen.total_contact_force);
-            // the reactions of the upper beam balance the contact force
+            // the reactions of the upper beam balance the contact force, as far as a search tells the deflection
             let up: f64 = seen.reactions.iter().filter(|r| r.rod == 1).map(|r| r.force[2]).sum();
-            assert!((up + seen.total_contact_force).abs() < 1e-6 * seen.total_contact_force, "reaction {up}");
+            let known = 1e-6 + NewtonOptions::default().tol_increment / last as f64 / deflection;
+            assert!((up + seen.total_contact_force).abs() < known * seen.total_contact_force, "reaction {up}");
         }
     }
 }

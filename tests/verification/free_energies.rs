@@ -457,11 +457,12 @@ fn j_factor_of_a_sequence_with_a_protein() {
     verify("21 base pairs with a protein", "J", found, exact, 1e-7 * exact);
 }
 
-/// Reactions by displacements are a symmetric matrix (Maxwell & Betti), with contact. Locked points are near the bound,
-/// with 9e-8 at κ' = 1e6 and 1.05e-7 at 1e5; what leaves that is not known.
+/// Reactions by displacements are a symmetric matrix (Maxwell & Betti), with contact. Locked points keep their smallest
+/// gap by a pressure over their zone, which is off by κ'^(−2/3), 1.1e-7 at κ' = 1e3 and 2.4e-8 at 1e4; beyond, rounding
+/// in the stiffness of contact counts, 7e-7 at 1e6.
 #[test]
 fn reciprocity() {
-    let mut solver = crossed(ContactLaw::AugmentedLagrangian { stiffness: 1e6, tol_penetration: 1e-12 });
+    let mut solver = crossed(ContactLaw::AugmentedLagrangian { stiffness: 1e4, tol_penetration: 1e-12 });
     let last = solver.engine().model().rods[0].num_nodes() - 1;
     let (low, high) = (NodeRef { rod: 0, node: 0 }, NodeRef { rod: 1, node: last });
     for contacts in [ContactResponse::ByLaw, ContactResponse::Locked, ContactResponse::Free] {

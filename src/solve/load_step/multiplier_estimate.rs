@@ -12,7 +12,7 @@ use crate::contact::law::Law;
 use crate::error::SolveError;
 use crate::math::Vec3;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::NOTHING;
+use crate::solve::measures::{NOTHING, ROUNDING};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::contact_field::ContactField;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
@@ -73,10 +73,13 @@ impl Solver {
             };
             multiplier_estimate.pressures = works.iter().zip(&gaps).map(pressure).collect();
             let mut pulls = false;
-            for (reach, pressure) in reach.iter_mut().zip(&mut multiplier_estimate.pressures).filter(|(_, p)| **p < 0.0)
-            {
-                (*reach, *pressure) = (-distance, 0.0);
-                pulls = true;
+            for (reach, pressure) in reach.iter_mut().zip(&mut multiplier_estimate.pressures) {
+                // those that would pull by no more than rounding keep their place
+                if *pressure < -NOTHING * scale {
+                    *reach = -distance;
+                    pulls = true;
+                }
+                *pressure = pressure.max(0.0);
             }
             if !pulls {
                 break;
@@ -126,7 +129,9 @@ impl Solver {
         let part = |of: &[f64], i: usize| Vec3::new(of[i], of[i + 1], of[i + 2]);
         let apart = |node: usize| {
             let pull = part(&probed.contact_gradient, 6 * node);
-            -pull.try_normalize(f64::MIN_POSITIVE).unwrap_or_default()
+            // a strand that others press from all sides has no direction but that of rounding
+            let rounding = ROUNDING * part(&probed.magnitude, 6 * node).norm();
+            -pull.try_normalize(rounding.max(f64::MIN_POSITIVE)).unwrap_or_default()
         };
         let mut works = vec![[0.0; 2]; side.offsets.num_nodes()];
         for (segment, &[node, next]) in side.nodes.iter().enumerate() {

@@ -156,12 +156,11 @@ impl Solver {
                 let (first, count) = (engine.first_node[rod], engine.nodes(rod).len());
                 [first + k, first + (k + 1) % count]
             };
-            let spacing = self.engine.model.rods[rod].spacing();
-            let whole = of_coarse.cubic(coarse.state(), joined(coarse, segment), spacing * factor as f64).0;
+            let whole = of_coarse.cubic(coarse.state(), joined(coarse, segment)).0;
             let at = |k: usize| k as f64 / factor as f64;
             let parts = (0..factor).map(|k| {
                 let part = whole.restrict(at(k), at(k + 1));
-                let fine = own.cubic(state, joined(&self.engine, factor * segment + k), spacing).0;
+                let fine = own.cubic(state, joined(&self.engine, factor * segment + k)).0;
                 part.b.iter().zip(&fine.b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
             });
             parts.fold(0.0, f64::max)

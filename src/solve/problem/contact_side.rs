@@ -244,7 +244,7 @@ impl ContactSide {
 
     /// The contact centreline of a segment in a state.
     pub(in crate::solve) fn cubic(&self, state: &State, segment: usize) -> Cubic {
-        self.tangents.cubic(state, self.nodes[segment], self.set.lengths[segment]).0
+        self.tangents.cubic(state, self.nodes[segment]).0
     }
 
     /// Global nodes at the ends of two segments.
@@ -275,7 +275,7 @@ fn curves(
     let input = |index: &usize| {
         let (rod, length) = (&model.rods[*index], model.rods[*index].spacing());
         CurveInput {
-            segments: segments(index).map(|segment| tangents.cubic(state, ends(segment), length).0).collect(),
+            segments: segments(index).map(|segment| tangents.cubic(state, ends(segment)).0).collect(),
             lengths: vec![length; rod.num_segments()],
             closed: rod.closed,
             radius: rod.section.contact_radius,

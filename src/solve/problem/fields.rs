@@ -60,7 +60,6 @@ impl Engine {
     pub fn centerline(&self, rod: usize, per_segment: usize) -> (Vec<Vec3>, Vec<Vec3>) {
         let per_segment = per_segment.max(1);
         let (order, closed) = (self.model.rods[rod].order, self.model.rods[rod].closed);
-        let length = self.element_length(rod) / order as f64;
         let tangents = self.tangents_of(&self.state);
         let (mut points, mut directions) = (Vec::new(), Vec::new());
         for index in self.elements_of(rod) {
@@ -68,7 +67,7 @@ impl Engine {
             let nodes = self.element_nodes(&self.state, element);
             let mut add = |segment: usize, u: f64| {
                 let ends = [element.nodes[segment], element.nodes[segment + 1]];
-                let (cubic, _) = tangents.cubic(&self.state, ends, length);
+                let (cubic, _) = tangents.cubic(&self.state, ends);
                 let (n, _) = lagrange(order, (segment as f64 + u) / order as f64);
                 points.push(cubic.point(u));
                 directions.push(interpolated_frame(&nodes, &n, order) * Vec3::x());

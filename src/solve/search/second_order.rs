@@ -5,6 +5,7 @@ use crate::contact::curve::Cubic;
 use crate::contact::potential::second_order::{second_order_of_gaps, stiffness_of_gaps};
 use crate::contact::potential::surface::{self, SurfaceContact, point_of};
 use crate::contact::potential::{self, ContactPair, Pressures, Request};
+use crate::math::handles::Handles;
 use crate::math::{Vec3, parallel};
 use crate::solve::measures::AT_ONCE;
 use crate::solve::problem::assembly::Residual;
@@ -63,7 +64,7 @@ impl Engine {
                 let [before, after] = [0, 1].map(|k| surfaces[k].distance(&arms[k]));
                 e(after - before, normal.dot(&(point_of(&linear, u) - body.at(&arms[0]))))
             };
-            let handles = [cubic.b[1] - cubic.b[0], cubic.b[2] - cubic.b[3]];
+            let handles = Handles::of(&cubic.b);
             let (nodes, count) = side.nodes_at_surface(contact.segment, contact.surface);
             add_at(&nodes[..count], &contact.of_changes(&handles, change), forces);
         }

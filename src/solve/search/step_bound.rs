@@ -16,6 +16,7 @@ use std::f64::consts::TAU;
 
 use self::tree::PassageTree;
 use crate::error::SolveError;
+use crate::math::handles::Handles;
 use crate::math::{Vec3, parallel};
 use crate::solve::measures::MAX_ROUNDS;
 use crate::solve::problem::contact_side::ContactSide;
@@ -183,10 +184,11 @@ impl ContactSide {
         let [a, b] = self.nodes[segment];
         let (da, db) = (displacement(increment, a), displacement(increment, b));
         let (ta, tb) = (rotation(increment, a), rotation(increment, b));
-        let lever = self.set.lengths[segment] / 3.0;
-        let tangent = |n: usize| self.tangents.at(state, n);
-        let linear = [da, da + ta.cross(&tangent(a)) * lever, db - tb.cross(&tangent(b)) * lever, db];
-        SegmentMotion { linear, second_order: 0.5 * lever * ta.norm_squared().max(tb.norm_squared()) }
+        let handles = Handles::of(&self.cubic(state, segment).b);
+        let stretch = handles.rate_in([&da, &db], [&ta, &tb]);
+        let [after, before] = handles.of_ends;
+        let linear = [da, da + ta.cross(&after) + after * stretch, db + tb.cross(&before) + before * stretch, db];
+        SegmentMotion { linear, second_order: handles.beyond_linear([&da, &db], [&ta, &tb]) }
     }
 }
 
@@ -459,8 +461,10 @@ mod tests {
                     let here = least(t * f64::from(k) / 20.0);
                     assert!(here >= kept - 1e-9, "{height} {by} {turn}: {here} of {start} at {k}/20 of {t}");
                 }
-                // without rotations the bound is exact, but for the points looked at here
-                assert!(turn > 0.0 || t == 1.0 || least(t) <= kept + 3e-3 * radius, "{height} {by}: {} {t}", least(t));
+                // without rotations the bound is exact, but for handles that grow with their chords, and for the points
+                // looked at here
+                let beyond = least(1.02 * t);
+                assert!(turn > 0.0 || t == 1.0 || beyond <= kept + 3e-3 * radius, "{height} {by}: {beyond} {t}");
             }
         }
     }
@@ -512,9 +516,9 @@ mod tests {
                     }
                     // what is allowed is most of what could be
                     assert!(
-                        turn > 0.0 || t == 1.0 || least(1.2 * t) < 0.6 * radius,
+                        turn > 0.0 || t == 1.0 || least(1.25 * t) < 0.6 * radius,
                         "{side} {by}: {} {t}",
-                        least(1.2 * t)
+                        least(1.25 * t)
                     );
                 }
             }

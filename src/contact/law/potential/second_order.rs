@@ -72,15 +72,12 @@ pub(crate) fn stiffness_of_gaps(term: &ContactPair, cubics: [&Cubic; 2], change:
 }
 
 /// ∂gap/∂x at each point of a term with respect to the ends of `cubics` (slave and master where the term was
-/// evaluated), weight × stiffness there \[F/L\], its parameters on both.
+/// evaluated), and weight × stiffness there \[F/L\].
 pub(crate) fn gap_gradients<'a>(
     term: &'a ContactPair,
     [slave, master]: [&'a Cubic; 2],
-) -> impl Iterator<Item = ([f64; 24], f64, [f64; 2])> + 'a {
-    let at = move |point: &QuadraturePoint| {
-        let parameters = [point.u, point.v];
-        Some((gap_gradient([slave, master], parameters)?, point.stiffness, parameters))
-    };
+) -> impl Iterator<Item = ([f64; 24], f64)> + 'a {
+    let at = move |point: &QuadraturePoint| Some((gap_gradient([slave, master], [point.u, point.v])?, point.stiffness));
     term.points.iter().filter_map(at)
 }
 

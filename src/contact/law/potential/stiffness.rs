@@ -12,6 +12,7 @@
 //! and added at the end.
 
 use crate::contact::curves::curve::Cubic;
+use crate::math::handles::{Handles, StretchTerms};
 use crate::math::{Mat3, Vec3};
 
 /// Coordinates that move the control points of slave and master, 24 in all.
@@ -19,10 +20,9 @@ use crate::math::{Mat3, Vec3};
 pub(in crate::contact) enum Coordinates {
     /// The control points themselves.
     Points,
-    /// Displacement and rotation vector of the four ends (slave's start and end, then the master's). A handle, the
-    /// vector from an end to the control point next to it, rotates with the end. Holds the handles at start and end of
-    /// slave and master \[L\].
-    Ends([Vec3; 4]),
+    /// Displacement and rotation vector of the four ends (slave's start and end, then the master's), with the handles
+    /// of slave and master.
+    Ends([Handles; 2]),
 }
 
 /// Hessian with respect to eight control points (slave 0..4, master 4..8): blocks m ≤ n filled.
@@ -37,8 +37,7 @@ const PENDING: usize = 10;
 
 impl Coordinates {
     pub(in crate::contact) fn ends(slave: &Cubic, master: &Cubic) -> Self {
-        let ([a, _, b], [c, _, d]) = (slave.edges(), master.edges());
-        Self::Ends([a, -b, c, -d])
+        Self::Ends([slave, master].map(|cubic| Handles::of(&cubic.b)))
     }
 
     /// Forces on the control points as forces on the coordinates.
@@ -49,17 +48,16 @@ impl Coordinates {
         match self {
             Self::Points => (0..8).for_each(|m| put(3 * m, &forces[m])),
             Self::Ends(handles) => {
-                for (end, handle) in handles.iter().enumerate() {
-                    let (own, held) = points(end);
-                    put(6 * end, &(forces[own] + forces[held]));
-                    put(6 * end + 3, &handle.cross(&forces[held]));
+                for (cubic, handles) in handles.iter().enumerate() {
+                    let of_cubic = handles.pull(std::array::from_fn(|m| &forces[4 * cubic + m]));
+                    out[12 * cubic..12 * cubic + 12].copy_from_slice(&of_cubic);
                 }
             }
         }
         out
     }
 
-    /// Σ w_m δx_m as weights of eight vectors: the control points, or position and turned handle of each end.
+    /// Σ w_m δx_m as weights of eight vectors: the control points, or motion of each end and of its handle.
     #[inline]
     fn weights(&self, w: &[f64; 8]) -> [f64; 8] {
         match self {
@@ -77,6 +75,12 @@ fn points(end: usize) -> (usize, usize) {
     [(0, 1), (3, 2), (4, 5), (7, 6)][end]
 }
 
+/// The handles of the four ends.
+fn of_ends(cubics: &[Handles; 2]) -> [Vec3; 4] {
+    let [[a, b], [c, d]] = [cubics[0].of_ends, cubics[1].of_ends];
+    [a, b, c, d]
+}
+
 /// Sum over the points of a pair, with either segment as the slave.
 pub(in crate::contact) struct PairStiffness<'a> {
     coordinates: Coordinates,
@@ -87,6 +91,8 @@ pub(in crate::contact) struct PairStiffness<'a> {
     forces: [Vec3; 8],
     /// Σ W p/d w_m w_n for m ≤ n.
     spread: [[f64; 8]; 8],
+    /// What the stretch of handles adds.
+    stretch: StretchTerms<2, 24>,
     pending: [[f64; 24]; PENDING],
     factors: [f64; PENDING],
     count: usize,
@@ -102,6 +108,7 @@ impl<'a> PairStiffness<'a> {
             sum,
             forces: [Vec3::zeros(); 8],
             spread: [[0.0; 8]; 8],
+            stretch: StretchTerms::ZERO,
             pending: [[0.0; 24]; PENDING],
             factors: [0.0; PENDING],
             count: 0,
@@ -160,7 +167,8 @@ impl<'a> PairStiffness<'a> {
             Coordinates::Points => {
                 (0..8).flat_map(|m| (m..8).map(move |n| (m, n))).for_each(|(m, n)| add(3 * m, 3 * n, &block(m, n)));
             }
-            Coordinates::Ends(handles) => {
+            Coordinates::Ends(cubics) => {
+                let handles = of_ends(&cubics);
                 for (p, q) in (0..4).flat_map(|p| (p..4).map(move |q| (p, q))) {
                     let ((own, held), (own_q, held_q)) = (points(p), points(q));
                     let (right, left, both) = (block(own, held_q), block(held, own_q), block(held, held_q));
@@ -169,6 +177,12 @@ impl<'a> PairStiffness<'a> {
                     add(6 * p, 6 * q + 3, &-((right + both) * turn_q));
                     add(6 * p + 3, 6 * q, &(turn_p * (left + both)));
                     add(6 * p + 3, 6 * q + 3, &-(turn_p * both * turn_q));
+                }
+                for (p, q) in (0..4).flat_map(|p| (0..4).map(move |q| (p, q))) {
+                    let ((_, held), (own_q, held_q)) = (points(p), points(q));
+                    let of_held = block(held, held_q).transpose() * handles[p];
+                    let of_own = block(held, own_q).transpose() * handles[p];
+                    self.stretch.add_motion([p, q], &handles[q], [&(of_own + of_held), &of_held]);
                 }
             }
         }
@@ -209,14 +223,25 @@ impl<'a> PairStiffness<'a> {
                     (0..3).for_each(|k| self.sum[3 * m + k][3 * n + k] -= self.spread[m][n]);
                 }
             }
-            Coordinates::Ends(handles) => {
+            Coordinates::Ends(cubics) => {
+                let handles = of_ends(&cubics);
                 for (p, q) in (0..4).flat_map(|p| (p..4).map(move |q| (p, q))) {
                     self.subtract_ends(p, q, &handles[p], &handles[q]);
+                }
+                for (p, q) in (0..4).flat_map(|p| (0..4).map(move |q| (p, q))) {
+                    let [moved, turned] = [0, 1].map(|k| handles[p] * -self.spread[2 * p + 1][2 * q + k]);
+                    self.stretch.add_motion([p, q], &handles[q], [&moved, &turned]);
                 }
                 for (end, handle) in handles.iter().enumerate() {
                     let force = self.forces[points(end).1];
                     self.add_turning(end, handle, &force);
+                    self.stretch.add_force(end, handle, &force);
                 }
+                self.stretch.each_entry([&cubics[0], &cubics[1]], |row, col, value| {
+                    if row / 6 <= col / 6 {
+                        self.sum[row][col] += value;
+                    }
+                });
             }
         }
     }

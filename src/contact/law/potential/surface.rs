@@ -33,6 +33,7 @@ use crate::contact::law::potential::Request;
 use crate::contact::law::potential::stiffness::PairTangent;
 use crate::contact::measures::{MAX_PARTS, POINTS_PER_PART};
 use crate::math::bernstein::{Roots, cubic_weights, derivative, roots};
+use crate::math::handles::{Handles, StretchTerms};
 use crate::math::parallel::DEAR;
 use crate::math::quadrature::gauss;
 use crate::math::signed_distance::{Skeleton, Surface};
@@ -170,7 +171,7 @@ pub(crate) fn term(
             });
         }
     }
-    let handles = handles(set, segment);
+    let handles = Handles::of(&set.segments[segment].b);
     Some(SurfaceTerm {
         energy: sum.energy,
         gradient: gradient(&handles, &sum.force, &sum.torque),
@@ -355,9 +356,10 @@ impl SurfaceSum {
         }
     }
 
-    fn tangent(&self, handles: &[Vec3; 2], carried: bool) -> Box<PairTangent> {
+    fn tangent(&self, handles: &Handles, carried: bool) -> Box<PairTangent> {
         let mut tangent: Box<PairTangent> = Box::new([[0.0; 24]; 24]);
-        let maps = rates(handles);
+        let maps = rates(&handles.of_ends);
+        let mut stretch = StretchTerms::<1, 18>::ZERO;
         for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
             let block = maps[i].transpose() * self.stiffness[i][j] * maps[j];
             (0..9).for_each(|k| tangent[3 * i + k / 3][3 * j + k % 3] = block[(k / 3, k % 3)]);
@@ -366,13 +368,25 @@ impl SurfaceSum {
             self.carried.add_to(&mut tangent, &maps);
         }
         // a handle under a force f turns by θ × h + ½θ × (θ × h) + …: ½(f hᵀ + h fᵀ) − f·h
-        for (end, handle) in handles.iter().enumerate() {
+        for (end, handle) in handles.of_ends.iter().enumerate() {
             let (first, force) = (6 * end + 3, -self.force[1 + end]);
+            let share = 2 * end + 1;
+            for (q, other) in handles.of_ends.iter().enumerate() {
+                let [moved, turned] = [0, 1].map(|k| self.stiffness[share][2 * q + k].transpose() * handle);
+                stretch.add_motion([end, q], other, [&moved, &turned]);
+            }
+            if carried {
+                let by_body = [-self.carried.displaced[share], self.carried.turned[share]];
+                let by_body = by_body.map(|block| block.transpose() * handle);
+                (0..6).for_each(|k| stretch.mixed[0][12 + k] += by_body[k / 3][k % 3]);
+            }
+            stretch.add_force(end, handle, &force);
             for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
                 let straightens = if i == j { force.dot(handle) } else { 0.0 };
                 tangent[first + i][first + j] += 0.5 * (force[i] * handle[j] + handle[i] * force[j]) - straightens;
             }
         }
+        stretch.each_entry([handles], |row, col, value| tangent[row][col] += value);
         tangent
     }
 }
@@ -426,12 +440,6 @@ fn shares(w: &[f64; 4]) -> [f64; 4] {
     [w[0] + w[1], w[1], w[2] + w[3], w[2]]
 }
 
-/// From each end of a segment to the control point next to it \[L\].
-fn handles(set: &CurveSet, segment: usize) -> [Vec3; 2] {
-    let b = &set.segments[segment].b;
-    [b[1] - b[0], b[2] - b[3]]
-}
-
 /// Motions of a point that has no share but that of the displacement, or the handle, of an end: by its displacement, or
 /// its rotation vector.
 fn rates(handles: &[Vec3; 2]) -> [Mat3; 4] {
@@ -441,10 +449,10 @@ fn rates(handles: &[Vec3; 2]) -> [Mat3; 4] {
 
 /// Minus forces on the four control points, by the displacement and rotation of both ends; of the node that carries the
 /// body their sum, and the torque of the forces about the body's point.
-fn gradient(handles: &[Vec3; 2], force: &[Vec3; 4], torque: &Vec3) -> [f64; 18] {
-    let of_ends = [force[0] + force[1], handles[0].cross(&force[1]), force[2] + force[3], handles[1].cross(&force[2])];
-    let of_body = [-(of_ends[0] + of_ends[2]), -torque];
-    std::array::from_fn(|i| if i < 12 { -of_ends[i / 3][i % 3] } else { -of_body[i / 3 - 4][i % 3] })
+fn gradient(handles: &Handles, force: &[Vec3; 4], torque: &Vec3) -> [f64; 18] {
+    let of_ends = handles.pull(std::array::from_fn(|m| &force[m]));
+    let of_body = [-force.iter().sum::<Vec3>(), -torque];
+    std::array::from_fn(|i| if i < 12 { -of_ends[i] } else { -of_body[i / 3 - 4][i % 3] })
 }
 
 impl SurfaceContact {
@@ -468,14 +476,14 @@ impl SurfaceContact {
 
     fn touched(&self, set: &CurveSet, u: f64, normal: Vec3, arm: &Vec3) -> TouchedPoint {
         let weights = cubic_weights(u).map(|w| -normal * w);
-        let gap_gradient = gradient(&handles(set, self.segment), &weights, &-arm.cross(&normal));
-        TouchedPoint { u, gap_gradient, at: set.segments[self.segment].point(u), normal }
+        let gap_gradient = gradient(&Handles::of(&set.segments[self.segment].b), &weights, &-arm.cross(&normal));
+        TouchedPoint { gap_gradient, at: set.segments[self.segment].point(u), normal }
     }
 
     /// Σ W k e ∂gap/∂x by the ends of the segment where the term was evaluated, with these handles, and the node that
     /// carries the body: the gradient of a law that went on linearly, `change(u, normal)` the change e of the gap at
     /// each point in contact \[L\].
-    pub(crate) fn of_changes(&self, handles: &[Vec3; 2], change: impl Fn(f64, &Vec3) -> f64) -> [f64; 18] {
+    pub(crate) fn of_changes(&self, handles: &Handles, change: impl Fn(f64, &Vec3) -> f64) -> [f64; 18] {
         let (mut sum, mut torque) = ([Vec3::zeros(); 4], Vec3::zeros());
         for point in &self.points {
             let force = point.normal * (-point.stiffness * change(point.u, &point.normal));
@@ -489,8 +497,6 @@ impl SurfaceContact {
 /// A point of a segment at a surface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TouchedPoint {
-    /// Its parameter.
-    pub(crate) u: f64,
     /// ∂gap/∂x by the ends of the segment and the node that carries the body.
     pub(crate) gap_gradient: [f64; 18],
     /// \[L\]

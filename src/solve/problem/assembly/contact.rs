@@ -170,7 +170,7 @@ impl ContactSide {
 
     /// Overwrites the contact curves with those of `state`; turning bounds and candidates are outdated if they moved.
     pub(crate) fn place(&mut self, state: &State) {
-        let cubic = |k: usize| self.tangents.cubic(state, self.nodes[k], self.set.lengths[k]);
+        let cubic = |k: usize| self.tangents.cubic(state, self.nodes[k]);
         let placed = parallel::map(self.nodes.len(), parallel::CHEAP, &cubic);
         for (k, (now, lost)) in placed.into_iter().enumerate() {
             self.set.remainders[k] = lost;

@@ -1,28 +1,35 @@
-//! Ends with turning handles against the control points that they move.
+//! Ends with handles that turn and stretch against the control points that they move.
 
 use super::super::*;
 use crate::contact::curves::curve::{Cubic, CurveInput};
+use crate::math::handles::handle_length;
 use crate::math::quaternion::exp;
 
 fn crossing() -> CurveSet {
     let v = Vec3::new;
-    let one = Cubic { b: [v(-0.9, 0.1, 0.2), v(-0.3, 0.0, 0.26), v(0.3, 0.05, 0.24), v(1.0, 0.0, 0.3)] };
-    let two = Cubic { b: [v(-0.8, -0.5, 0.0), v(-0.2, -0.3, 0.05), v(0.2, 0.2, -0.02), v(0.6, 0.7, 0.0)] };
+    let between = |start: Vec3, tangents: [Vec3; 2], end: Vec3| cubic([start, end], tangents.map(|t| t.normalize()));
+    let one = between(v(-0.9, 0.1, 0.2), [v(0.6, -0.1, 0.06), v(0.7, -0.05, 0.06)], v(1.0, 0.0, 0.3));
+    let two = between(v(-0.8, -0.5, 0.0), [v(0.6, 0.2, 0.05), v(0.4, 0.5, 0.02)], v(0.6, 0.7, 0.0));
     let input = |cubic: Cubic| CurveInput { segments: vec![cubic], lengths: vec![1.3], closed: false, radius: 0.15 };
     CurveSet::new(vec![input(one), input(two)]).unwrap()
+}
+
+fn cubic([start, end]: [Vec3; 2], [after, before]: [Vec3; 2]) -> Cubic {
+    let handle = handle_length(&(end - start), [&after, &before]);
+    Cubic { b: [start, start + after * handle, end - before * handle, end] }
 }
 
 /// Control points of both cubics when their ends are displaced and turned.
 fn moved(cubics: &[Cubic; 2], step: &[f64; 24]) -> [Vec3; 8] {
     let part = |k: usize| Vec3::new(step[k], step[k + 1], step[k + 2]);
-    let at = |m: usize| {
-        let (b, end) = (&cubics[m / 4].b, 2 * (m / 4) + usize::from(m % 4 >= 2));
-        let (own, held) = if m % 4 < 2 { (b[0], b[1]) } else { (b[3], b[2]) };
-        let tip =
-            if m.is_multiple_of(4) || m % 4 == 3 { Vec3::zeros() } else { exp(&part(6 * end + 3)) * (held - own) };
-        own + part(6 * end) + tip
+    let of_cubic = |k: usize| {
+        let ([after, _, before], first) = (cubics[k].edges(), 12 * k);
+        let ends = [cubics[k].b[0] + part(first), cubics[k].b[3] + part(first + 6)];
+        let tangents = [exp(&part(first + 3)) * after.normalize(), exp(&part(first + 9)) * before.normalize()];
+        cubic(ends, tangents).b
     };
-    std::array::from_fn(at)
+    let [one, two] = [0, 1].map(of_cubic);
+    std::array::from_fn(|m| if m < 4 { one[m] } else { two[m - 4] })
 }
 
 /// The second-order expansion of the potential in the control points, as a function of the ends, has the gradient and
