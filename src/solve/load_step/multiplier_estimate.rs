@@ -76,8 +76,8 @@ impl Solver {
             for (reach, pressure) in reach.iter_mut().zip(&mut multiplier_estimate.pressures) {
                 // those that would pull by no more than rounding keep their place
                 if *pressure < -NOTHING * scale {
+                    pulls |= *reach > -distance;
                     *reach = -distance;
-                    pulls = true;
                 }
                 *pressure = pressure.max(0.0);
             }
