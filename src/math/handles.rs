@@ -81,7 +81,6 @@ impl Handles {
         // a chord grows by turning, never by more than its ends come apart
         let across_sq = (size * size - along * along).max(0.0);
         let chord_grows = (across_sq / (2.0 * (chord + along.min(0.0)).max(0.0))).min(size - along);
-        let chord_grows = if chord_grows.is_nan() { size - along } else { chord_grows };
         let [slope, bend] = STEEPEST;
         let factor_grows = bends * (0.5 * bend * bends + slope * turn);
         let grows = length / chord * chord_grows + (chord * factor_grows + slope * size * bends) / 3.0;
@@ -134,8 +133,8 @@ impl Handles {
     }
 }
 
-/// The part of a second derivative that is due to the stretch λ of the handles of some cubics, whose coordinates follow
-/// each other, twelve of each, before `N − 12 S` others.
+/// The part of a second derivative that is due to the stretches λ of S cubics. The first 12 S of the N coordinates are
+/// theirs, twelve of each.
 pub(crate) struct StretchTerms<const S: usize, const N: usize> {
     /// ∂²U/∂λ∂x, x the coordinates with λ held.
     pub(crate) mixed: [[f64; N]; S],
@@ -148,8 +147,8 @@ pub(crate) struct StretchTerms<const S: usize, const N: usize> {
 impl<const S: usize, const N: usize> StretchTerms<S, N> {
     pub(crate) const ZERO: Self = Self { mixed: [[0.0; N]; S], own: [[0.0; S]; S], slopes: [0.0; S] };
 
-    /// Adds ∂²U/∂λ∂x of the end p's handle and the end q with its handle: h_p·M δ of a motion δ of q, and that of its
-    /// handle, as the vectors that these are multiplied with.
+    /// Adds the part of the stretch of the end p's handle and of the motion of the end q, whose handle is given: `moved` is
+    /// the rate of ∂U/∂λ with the displacement of q, `turned` that with the motion of the tip of q's handle against q.
     pub(crate) fn add_motion(&mut self, [p, q]: [usize; 2], handle: &Vec3, [moved, turned]: [&Vec3; 2]) {
         let moment = handle.cross(turned);
         for k in 0..3 {
