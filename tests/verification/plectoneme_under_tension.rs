@@ -165,7 +165,9 @@ fn compare(alpha: f64, tail: f64, spacing: f64, steps: i32) {
     let mut tweezers = Tweezers::new(alpha, tail, spacing);
     let before = tweezers.to(Ramp::Load { to: 1.0 });
     let part = |k: i32| -f64::from(k) / f64::from(steps);
-    (1..steps).for_each(|k| drop(tweezers.turn(part(k))));
+    for k in 1..steps {
+        let _ = tweezers.turn(part(k));
+    }
     let after = tweezers.turn(part(steps));
     let length = tweezers.solver.engine().model().rods[0].length;
     let twist = (after.moment - before.moment) * length / (TAU * TWISTING);

@@ -174,7 +174,7 @@ mod tests {
             .chain((0..6).map(around))
             .map(|start| {
                 let shape = Shape::Line { start, direction: Vec3::z(), length: 120.0 };
-                Rod::new("wire", &shape, RodMesh::open(16, 3), section.clone(), Natural::Straight).unwrap()
+                Rod::new("wire", &shape, RodMesh::open(16, 3), section, Natural::Straight).unwrap()
             })
             .collect();
         let rods: Vec<Rod> = rods.into_iter().enumerate().map(|(k, rod)| Rod { name: format!("{k}"), ..rod }).collect();
