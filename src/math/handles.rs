@@ -1,21 +1,21 @@
 //! The cubic between two points with given tangents, and how its control points move with these.
 //!
-//! A handle leads from an end of a cubic to the control point next to it. Both are a third as long as an arc of the same
-//! chord that turns by as much, so that the ends are passed at the speed of the whole,
+//! A handle leads from an end of a cubic to the control point next to it. Both are a third as long as an arc of the
+//! same chord that turns by as much, so that the ends are passed at the speed of the whole,
 //!
 //! ```text
 //! ⅓ c (φ/2)/sin(φ/2) = ⅓ c g,   g = 1 + ⅔ z + 6/5 z² + 20/7 z³ + O(z⁴),   z = (1 − cos φ)/8 = |t_a − t_b|²/16
 //! ```
 //!
 //! c the chord, φ the angle between the unit tangents t_a and t_b. The series stands for the formula, whose slope is
-//! infinite at half a turn; at a radian it is 1e-4 less. So a cubic between two nodes of a rod follows a stretched rod as
-//! it follows one that keeps its length, its parameter goes with the arc length, and it depends on nothing but the two
-//! nodes.
+//! infinite at half a turn; at a radian it is 1e-4 less. So a cubic between two nodes of a rod follows a stretched rod
+//! as it follows one that keeps its length, its parameter goes with the arc length, and it depends on nothing but the
+//! two nodes.
 //!
 //! With λ the logarithm of that length, displacements δ and rotation vectors θ of the ends, and h a handle,
 //!
 //! ```text
-//! h ↦ e^δλ e^θ h        δλ = e·(δ_b − δ_a) + w·(θ_b − θ_a) + …        e = chord/c²,  w = −(ln g)′ t_a × t_b, ′ by cos φ
+//! h ↦ e^δλ e^θ h      δλ = e·(δ_b − δ_a) + w·(θ_b − θ_a) + …      e = chord/c²,  w = −(ln g)′ t_a × t_b, ′ by cos φ
 //! ```
 
 use crate::math::{Mat3, Vec3};
@@ -70,8 +70,8 @@ impl Handles {
         e.dot(&(displacements[1] - displacements[0])) + w.dot(&(rotations[1] - rotations[0]))
     }
 
-    /// A bound of what a motion of the ends moves the control points by beyond its linear part, over the fraction t ≤ 1 of
-    /// the motion \[L\].
+    /// A bound of what a motion of the ends moves the control points by beyond its linear part, over the fraction t ≤ 1
+    /// of the motion \[L\].
     pub(crate) fn beyond_linear(&self, displacements: [&Vec3; 2], rotations: [&Vec3; 2]) -> f64 {
         let (chord, length) = (1.0 / self.rate[0].norm(), self.of_ends[0].norm());
         let apart = displacements[1] - displacements[0];
@@ -149,8 +149,8 @@ pub(crate) struct StretchTerms<const S: usize> {
 impl<const S: usize> StretchTerms<S> {
     pub(crate) const ZERO: Self = Self { mixed: [[0.0; N]; S], own: [[0.0; S]; S], slopes: [0.0; S] };
 
-    /// Adds the part of the stretch of the end p's handle and of the motion of the end q, whose handle is given: `moved` is
-    /// the rate of ∂U/∂λ with the displacement of q, `turned` that with the motion of the tip of q's handle against q.
+    /// Adds the part of the stretch of the end p's handle and of the motion of the end q, whose handle is given: `moved`
+    /// is the rate of ∂U/∂λ with the displacement of q, `turned` that with the motion of the tip of q's handle against q.
     pub(crate) fn add_motion(&mut self, [p, q]: [usize; 2], handle: &Vec3, [moved, turned]: [&Vec3; 2]) {
         let moment = handle.cross(turned);
         for k in 0..3 {
