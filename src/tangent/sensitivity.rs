@@ -35,9 +35,9 @@ use crate::solve::{RunError, State};
 
 /// Relative step of numbers of rods: residuals are linear or quadratic in them.
 const STEP: f64 = 1e-3;
-/// The same of a radius or an obstacle where strands touch, over the overlap of the weakest contact: a force goes as the overlap to the power 3/2, whose difference of fourth order
-/// is then right to 1e-9. Where offsets keep the overlaps, it is that of the change of an overlap to second order,
-/// h²/ε.
+/// The same of a radius or an obstacle where strands touch, over the overlap of the weakest contact: a force goes as
+/// the overlap to the power 3/2, whose difference of fourth order is then right to 1e-9. Where offsets keep the
+/// overlaps, it is that of the change of an overlap to second order, h²/ε.
 const STEP_OF_GAPS: f64 = 1e-2;
 /// Force of a contact, over the largest, below which it is about to open: a per mille change of what is prescribed may
 /// do.
@@ -525,8 +525,8 @@ impl EquilibriumTangent<'_> {
         Rate { forces, gaps: vec![0.0; self.closed.len()], contact_force: 0.0, value }
     }
 
-    /// What the changes of the chosen response add to rates by the law: of points that stay closed nothing, because their
-    /// offsets take it up.
+    /// What the changes of the chosen response add to rates by the law: of points that stay closed nothing, because
+    /// their offsets take it up.
     fn add_changes(&self, parameter: &PrescribedNumber, rate: &mut Rate) {
         let mut forces = vec![0.0; rate.forces.len()];
         for gap in contact::changes(self.choice, &self.contacts, &self.rates) {

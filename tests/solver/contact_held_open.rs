@@ -72,8 +72,8 @@ fn elastic(seen: &Observation) -> f64 {
 
 /// Neither way leaves a contact that is open but carries force, and both lead to nearly the same energy; the report's
 /// figure is no less than what the sites tell. (At κ' = 1000 two points half a node spacing long, a third of one beside
-/// a line, cannot be told from it by offsets at the nodes: .28 pN each; at κ' = 300 that depends on where the plectoneme
-/// lies on the mesh.)
+/// a line, cannot be told from it by offsets at the nodes: .28 pN each; at κ' = 300 that depends on where the
+/// plectoneme lies on the mesh.)
 #[test]
 fn neighbours_do_not_hold_contacts_open() {
     for (stiffness, held) in [(100.0, 1e-8), (300.0, 3e-7), (1000.0, 6e-6)] {

@@ -1,8 +1,9 @@
 //! Tangents of the contact centrelines at the nodes: the direction of r′ in the frame of the node.
 //!
-//! The contact centreline between two neighbouring nodes is the cubic between them with the tangents R v, R the frame of
-//! a node, and handles as long as those of an arc (`math::handles`): along stretched rods these are as long as r′ says. v is e3 along rods that are hardly sheared: a shear γ that is left out makes ripples of ±0.1
-//! γ h between nodes h apart, whose mean is zero. Along others it is measured (`measured_tangents`). Like contact
+//! The contact centreline between two neighbouring nodes is the cubic between them with the tangents R v, R the frame
+//! of a node, and handles as long as those of an arc (`math::handles`): along stretched rods these are as long as r′
+//! says. v is e3 along rods that are hardly sheared: a shear γ that is left out makes ripples of ±0.1 γ h between nodes
+//! h apart, whose mean is zero. Along others it is measured (`measured_tangents`). Like contact
 //! pressures, v is held fixed while the potential falls, so that contact stays a function of positions and frames of
 //! two nodes a segment.
 

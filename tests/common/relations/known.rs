@@ -27,8 +27,8 @@ pub const KNOWN: &[Known] = &[
     Known {
         relation: Relation::Converges,
         scenes: &["008", "034", "127"],
-        reason: "24 elements overlap by 5e-2 to 8e-2 contact radii between nodes, beyond what the certificate lets pass \
-            as the mesh's resolution",
+        reason: "24 elements overlap by 5e-2 to 8e-2 contact radii between nodes, beyond what the certificate lets \
+            pass as the mesh's resolution",
     },
     Known {
         relation: Relation::Converges,
@@ -47,7 +47,8 @@ pub const KNOWN: &[Known] = &[
     Known {
         relation: Relation::FinerLinear,
         scenes: &["000"],
-        reason: "a ring whose node is taken to a pose stops on 48 linear elements as bent too tightly; why is not known",
+        reason: "a ring whose node is taken to a pose stops on 48 linear elements as bent too tightly; why is not \
+            known",
     },
     Known { relation: Relation::Finer, scenes: &["093"], reason: "the same for quadratic elements" },
     Known {
