@@ -149,9 +149,9 @@ pub(crate) struct StretchTerms<const S: usize> {
 impl<const S: usize> StretchTerms<S> {
     pub(crate) const ZERO: Self = Self { mixed: [[0.0; N]; S], own: [[0.0; S]; S], slopes: [0.0; S] };
 
-    /// Adds the part of the stretch of the end p's handle and of the motion of the end q, whose handle is given: `moved`
-    /// is the rate of ∂U/∂λ with the displacement of q, `turned` that with the motion of the tip of q's handle against
-    /// q.
+    /// Adds the part of the stretch of the end p's handle and of the motion of the end q, whose handle is given:
+    /// `moved` is the rate of ∂U/∂λ with the displacement of q, `turned` that with the motion of the tip of q's handle
+    /// against q.
     pub(crate) fn add_motion(&mut self, [p, q]: [usize; 2], handle: &Vec3, [moved, turned]: [&Vec3; 2]) {
         let moment = handle.cross(turned);
         for k in 0..3 {
