@@ -133,20 +133,18 @@ impl Handles {
     }
 }
 
-/// Coordinates that a second derivative may have: two cubics, or one and six others.
-const N: usize = 24;
-
-/// The part of a second derivative that is due to the stretches λ of S cubics, whose coordinates are the first 12 S.
-pub(crate) struct StretchTerms<const S: usize> {
+/// The part of a second derivative that is due to the stretches λ of S cubics. The first 12 S of the N coordinates are
+/// theirs, twelve of each.
+pub(crate) struct StretchTerms<const S: usize, const N: usize> {
     /// ∂²U/∂λ∂x, x the coordinates with λ held.
     pub(crate) mixed: [[f64; N]; S],
     /// ∂²U/∂λ∂λ.
-    own: [[f64; S]; S],
+    pub(crate) own: [[f64; S]; S],
     /// ∂U/∂λ.
-    slopes: [f64; S],
+    pub(crate) slopes: [f64; S],
 }
 
-impl<const S: usize> StretchTerms<S> {
+impl<const S: usize, const N: usize> StretchTerms<S, N> {
     pub(crate) const ZERO: Self = Self { mixed: [[0.0; N]; S], own: [[0.0; S]; S], slopes: [0.0; S] };
 
     /// Adds the part of the stretch of the end p's handle and of the motion of the end q, whose handle is given:
@@ -169,32 +167,23 @@ impl<const S: usize> StretchTerms<S> {
         self.slopes[cubic] += slope;
     }
 
-    /// Adds the second derivative by the coordinates to `sum`, each row from the column `from(row)` on.
-    pub(crate) fn add_to(&self, handles: [&Handles; S], sum: &mut [[f64; N]; N], from: impl Fn(usize) -> usize) {
-        let rates: [[f64; N]; S] = std::array::from_fn(|cubic| {
-            let gradient = handles[cubic].gradient();
-            std::array::from_fn(|k| if k / 12 == cubic { gradient[k % 12] } else { 0.0 })
-        });
-        let mut mixed = self.mixed;
-        for (mixed, own) in mixed.iter_mut().zip(&self.own) {
-            for (own, rate) in own.iter().zip(&rates) {
-                mixed.iter_mut().zip(rate).for_each(|(mixed, rate)| *mixed += 0.5 * own * rate);
+    /// Calls `add(row, column, value)` for every entry of the second derivative by the coordinates.
+    pub(crate) fn each_entry(&self, handles: [&Handles; S], mut add: impl FnMut(usize, usize, f64)) {
+        let gradients = handles.map(Handles::gradient);
+        for cubic in 0..S {
+            let (gradient, first) = (&gradients[cubic], 12 * cubic);
+            let mut mixed = self.mixed[cubic];
+            for (other, of_other) in gradients.iter().enumerate() {
+                let half = 0.5 * self.own[cubic][other];
+                (0..12).for_each(|k| mixed[12 * other + k] += half * of_other[k]);
             }
-        }
-        for (row, entries) in sum.iter_mut().enumerate() {
-            let first = from(row);
-            for (rate, mixed) in rates.iter().zip(&mixed) {
-                let (own_rate, own_mixed) = (rate[row], mixed[row]);
-                let others = rate[first..].iter().zip(&mixed[first..]);
-                entries[first..].iter_mut().zip(others).for_each(|(sum, (r, m))| *sum += own_rate * m + own_mixed * r);
-            }
-        }
-        for (cubic, handles) in handles.iter().enumerate() {
-            for (i, curvature) in handles.curvature().iter().enumerate() {
-                let (row, first) = (12 * cubic + i, 12 * cubic);
-                for (j, curvature) in curvature.iter().enumerate().filter(|(j, _)| first + j >= from(row)) {
-                    sum[row][first + j] += self.slopes[cubic] * curvature;
+            let curvature = handles[cubic].curvature();
+            for (i, by_i) in gradient.iter().enumerate() {
+                for (j, mixed) in mixed.iter().enumerate() {
+                    add(first + i, j, by_i * mixed);
+                    add(j, first + i, by_i * mixed);
                 }
+                (0..12).for_each(|j| add(first + i, first + j, self.slopes[cubic] * curvature[i][j]));
             }
         }
     }
@@ -238,8 +227,8 @@ mod tests {
         for (ends, tangents) in bends() {
             let handles = Handles::of(&moved(ends, tangents, &[0.0; 12]));
             let gradient = handles.pull([&FORCES[0], &FORCES[1], &FORCES[2], &FORCES[3]]);
-            let mut terms = StretchTerms::<1>::ZERO;
-            let mut second = [[0.0; N]; N];
+            let mut terms = StretchTerms::<1, 12>::ZERO;
+            let mut second = [[0.0; 12]; 12];
             for (end, force) in [FORCES[1], FORCES[2]].iter().enumerate() {
                 let (handle, first) = (&handles.of_ends[end], 6 * end + 3);
                 terms.add_force(end, handle, force);
@@ -249,7 +238,7 @@ mod tests {
                     second[first + i][first + j] -= if i == j { force.dot(handle) } else { 0.0 };
                 }
             }
-            terms.add_to([&handles], &mut second, |_| 0);
+            terms.each_entry([&handles], |i, j, value| second[i][j] += value);
             let at = |pairs: &[(usize, f64)]| {
                 let mut step = [0.0; 12];
                 pairs.iter().for_each(|(k, by)| step[*k] += by);

@@ -92,7 +92,7 @@ pub(in crate::contact) struct PairStiffness<'a> {
     /// Σ W p/d w_m w_n for m ≤ n.
     spread: [[f64; 8]; 8],
     /// What the stretch of handles adds.
-    stretch: StretchTerms<2>,
+    stretch: StretchTerms<2, 24>,
     pending: [[f64; 24]; PENDING],
     factors: [f64; PENDING],
     count: usize,
@@ -237,7 +237,11 @@ impl<'a> PairStiffness<'a> {
                     self.add_turning(end, handle, &force);
                     self.stretch.add_force(end, handle, &force);
                 }
-                self.stretch.add_to([&cubics[0], &cubics[1]], self.sum, |row| row / 6 * 6);
+                self.stretch.each_entry([&cubics[0], &cubics[1]], |row, col, value| {
+                    if row / 6 <= col / 6 {
+                        self.sum[row][col] += value;
+                    }
+                });
             }
         }
     }

@@ -359,7 +359,7 @@ impl SurfaceSum {
     fn tangent(&self, handles: &Handles, carried: bool) -> Box<PairTangent> {
         let mut tangent: Box<PairTangent> = Box::new([[0.0; 24]; 24]);
         let maps = rates(&handles.of_ends);
-        let mut stretch = StretchTerms::<1>::ZERO;
+        let mut stretch = StretchTerms::<1, 18>::ZERO;
         for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
             let block = maps[i].transpose() * self.stiffness[i][j] * maps[j];
             (0..9).for_each(|k| tangent[3 * i + k / 3][3 * j + k % 3] = block[(k / 3, k % 3)]);
@@ -386,7 +386,7 @@ impl SurfaceSum {
                 tangent[first + i][first + j] += 0.5 * (force[i] * handle[j] + handle[i] * force[j]) - straightens;
             }
         }
-        stretch.add_to([handles], &mut tangent, |_| 0);
+        stretch.each_entry([handles], |row, col, value| tangent[row][col] += value);
         tangent
     }
 }
