@@ -36,6 +36,12 @@ pub(crate) fn handle_length(chord: &Vec3, tangents: [&Vec3; 2]) -> f64 {
     chord.norm() * of_cosine(z)[0] / 3.0
 }
 
+/// Control points \[L\] of the cubic between two points with these unit tangents.
+pub(crate) fn control_points([start, end]: [Vec3; 2], [after, before]: [Vec3; 2]) -> [Vec3; 4] {
+    let handle = handle_length(&(end - start), [&after, &before]);
+    [start, start + after * handle, end - before * handle, end]
+}
+
 /// How the control points of such a cubic move with its ends: twelve coordinates, displacement and rotation vector of
 /// the start, then of the end.
 #[derive(Debug, Clone, Copy)]
@@ -60,7 +66,7 @@ impl Handles {
     }
 
     /// Work of forces on the four control points in a stretch of both handles by the factor e.
-    pub(crate) fn stretching(&self, forces: [&Vec3; 2]) -> f64 {
+    fn stretching(&self, forces: [&Vec3; 2]) -> f64 {
         self.of_ends[0].dot(forces[0]) + self.of_ends[1].dot(forces[1])
     }
 
@@ -89,7 +95,7 @@ impl Handles {
     }
 
     /// ∂λ by the coordinates.
-    pub(crate) fn gradient(&self) -> [f64; 12] {
+    fn gradient(&self) -> [f64; 12] {
         let [e, w] = &self.rate;
         [-e.x, -e.y, -e.z, -w.x, -w.y, -w.z, e.x, e.y, e.z, w.x, w.y, w.z]
     }
@@ -198,9 +204,7 @@ mod tests {
     fn moved(ends: [Vec3; 2], tangents: [Vec3; 2], step: &[f64; 12]) -> [Vec3; 4] {
         let part = |k: usize| Vec3::new(step[k], step[k + 1], step[k + 2]);
         let [start, end] = [ends[0] + part(0), ends[1] + part(6)];
-        let [a, b] = [exp(&part(3)) * tangents[0], exp(&part(9)) * tangents[1]];
-        let length = handle_length(&(end - start), [&a, &b]);
-        [start, start + a * length, end - b * length, end]
+        control_points([start, end], [exp(&part(3)) * tangents[0], exp(&part(9)) * tangents[1]])
     }
 
     const FORCES: [Vec3; 4] =

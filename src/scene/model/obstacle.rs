@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::error::InputError;
 use crate::math::bernstein::cubic_weights;
-use crate::math::handles::handle_length;
+use crate::math::handles::control_points;
 use crate::math::quaternion::exp;
 use crate::math::signed_distance::Surface;
 use crate::math::{Mat3, Quat, Vec3};
@@ -455,11 +455,8 @@ impl Model {
         let touches = |k: &usize| !overlaps(&left_out, [*k, *k + 1].map(|k| spacing * k as f64), round);
         for k in (0..rod.num_segments()).filter(touches) {
             let [a, b] = [k, (k + 1) % rod.num_nodes()];
-            let (start, end) = (rod.positions[a], rod.positions[b]);
-            let [after, before] = [a, b].map(|n| rod.frames[n] * Vec3::z());
-            let handle = handle_length(&(end - start), [&after, &before]);
             // the contact centreline
-            let points = [start, start + after * handle, end - before * handle, end];
+            let points = control_points([a, b].map(|n| rod.positions[n]), [a, b].map(|n| rod.frames[n] * Vec3::z()));
             for i in 0..=POINTS {
                 let u = i as f64 / POINTS as f64;
                 let point: Vec3 = cubic_weights(u).iter().zip(&points).map(|(w, point)| point * *w).sum();

@@ -2,7 +2,7 @@
 
 use super::super::*;
 use crate::contact::curves::curve::{Cubic, CurveInput};
-use crate::math::handles::handle_length;
+use crate::math::handles::control_points;
 use crate::math::quaternion::exp;
 
 fn crossing() -> CurveSet {
@@ -14,9 +14,8 @@ fn crossing() -> CurveSet {
     CurveSet::new(vec![input(one), input(two)]).unwrap()
 }
 
-fn cubic([start, end]: [Vec3; 2], [after, before]: [Vec3; 2]) -> Cubic {
-    let handle = handle_length(&(end - start), [&after, &before]);
-    Cubic { b: [start, start + after * handle, end - before * handle, end] }
+fn cubic(ends: [Vec3; 2], tangents: [Vec3; 2]) -> Cubic {
+    Cubic { b: control_points(ends, tangents) }
 }
 
 /// Control points of both cubics when their ends are displaced and turned.
