@@ -140,6 +140,11 @@ pub(crate) fn map<T: Send>(len: usize, grain: usize, item: &(dyn Fn(usize) -> T 
     all
 }
 
+/// Sum of `part` over the ranges that 0..`len` is cut into, each but the last of `grain` indices, in their order.
+pub(crate) fn sum(len: usize, grain: usize, part: &(dyn Fn(Range<usize>) -> f64 + Sync)) -> f64 {
+    if len <= grain { part(0..len) } else { map_ranges(len, grain, part).iter().sum() }
+}
+
 /// Whether `holds` is true for all ranges that 0..`len` is cut into, each but the last of `grain` indices. After the
 /// first false one, ranges not yet begun are skipped.
 pub(crate) fn all(len: usize, grain: usize, holds: &(dyn Fn(Range<usize>) -> bool + Sync)) -> bool {
@@ -186,6 +191,8 @@ mod tests {
                 });
                 assert_eq!((&mapped, &changed), (&expected, &expected), "{len} by {grain}");
                 assert!(ranges.iter().flat_map(Clone::clone).eq(0..len) && ranges.len() == len.div_ceil(grain));
+                let plain = |range: Range<usize>| range.map(|k| k as f64).sum();
+                assert_eq!(in_pool(Some(&pool), || sum(len, grain, &plain)), plain(0..len));
                 assert!(in_pool(Some(&pool), || all(len, grain, &|range| range.end <= len)));
                 assert_eq!(in_pool(Some(&pool), || all(len, grain, &|range| !range.contains(&(len / 2)))), len == 0);
             }

@@ -1,20 +1,26 @@
-//! Sparse LDLᵀ with inertia. The only file that names faer.
+//! Sparse LDLᵀ with inertia. The only file that names faer, whose analysis, dense kernels and solves it uses; the order
+//! of the work is that of [`fronts`](super::fronts).
 //!
 //! The supernodal method is forced, because the simplicial one reports no failures. faer still takes the simplicial
 //! method for diagonal matrices; their pivots are their entries. `Par::Seq`: the library parallelises dense kernels
 //! only, and the supernodes of rods are about twelve wide, where threads cost more than they save.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt;
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
 };
 use faer::sparse::linalg::{SupernodalThreshold, amd};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Accum, Conj, MatMut, MatRef, Par, Side};
 
 use crate::error::SolveError;
+use crate::sparse::fronts::{EliminationTree, Lower, Supernodes};
 use crate::sparse::ordering::Adjacency;
 use crate::sparse::{NodeGraph, Pattern};
 
@@ -28,6 +34,8 @@ pub struct Inertia {
 /// Symbolic analysis of one pattern with buffers for repeated numeric factorisation.
 pub struct Factor {
     symbolic: SymbolicCholesky<u32>,
+    /// The order of the work on all threads; `None` where the library does all by itself.
+    tree: Option<EliminationTree>,
     values: Vec<f64>,
     scratch: MemBuffer,
 }
@@ -38,13 +46,17 @@ impl std::fmt::Debug for Factor {
     }
 }
 
-/// Operations of the order from end to end, over those by minimum degree, from which it is taken. Below that the time
-/// is hardly another.
+/// Operations in the order from the ends, over those by minimum degree, from which it is taken, because above that the
+/// time is hardly another.
 const WORTH: f64 = 0.8;
+/// Multiplications of a factorisation that are left to one thread, because they take a millisecond, and waking others
+/// some hundredths of one.
+const FOR_ONE_THREAD: f64 = 1e7;
 
-/// The pattern in an order of nodes with few operations: by approximate minimum degree over the equations, or from end
-/// to end where that has fewer. (Minimum degree over the nodes takes a thirtieth of the time, for the same fill;
-/// rolling a rod up to a full circle in one step then fails.)
+/// The pattern in an order of nodes with few operations: by approximate minimum degree over the equations, or from the
+/// ends where that has fewer; of those that threads share, fewer one after the other on two threads. (Minimum degree
+/// over the nodes takes a thirtieth of the time, for the same fill; rolling a rod up to a full circle in one step then
+/// fails.)
 ///
 /// # Errors
 /// As [`Factor::of`].
@@ -60,9 +72,11 @@ fn ordered(graph: NodeGraph) -> Result<Pattern, SolveError> {
         .map_err(|e| failed(format!("{e:?}")))?;
     let by_degree = graph.nodes_of(&order);
     let adjacency = Adjacency::new(&graph);
-    let end_to_end = adjacency.end_to_end();
-    let is_worth = adjacency.operations(&end_to_end) <= WORTH * adjacency.operations(&by_degree);
-    Ok(graph.ordered(if is_worth { end_to_end } else { by_degree }))
+    let from_ends = adjacency.from_both_ends();
+    let [ours, theirs] = [&from_ends, &by_degree].map(|order| adjacency.elimination(order));
+    let threads = if theirs.work() > FOR_ONE_THREAD { 2 } else { 1 };
+    let is_worth = ours.cut(threads).longest <= WORTH * theirs.cut(threads).longest;
+    Ok(graph.ordered(if is_worth { from_ends } else { by_degree }))
 }
 
 fn failed(reason: String) -> SolveError {
@@ -97,7 +111,13 @@ impl Factor {
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
         let scratch = MemBuffer::try_new(scratch).map_err(|_| failed("out of memory".to_owned()))?;
         let values = vec![0.0; symbolic.len_val()];
-        Ok(Self { symbolic, values, scratch })
+        let tree = match symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(symbolic) => {
+                EliminationTree::of_more(&supernodes(symbolic), FOR_ONE_THREAD)
+            }
+            SymbolicCholeskyRaw::Simplicial(_) => None,
+        };
+        Ok(Self { symbolic, tree, values, scratch })
     }
 
     /// Number of stored entries of L.
@@ -111,6 +131,11 @@ impl Factor {
         if n == 0 {
             // every unknown is supported: an empty matrix is legal
             return Some(Inertia { num_negative: 0 });
+        }
+        if let (SymbolicCholeskyRaw::Supernodal(symbolic), Some(tree)) = (self.symbolic.raw(), &self.tree) {
+            let matrix = Lower { col_ptr: pattern.col_ptr(), row_idx: pattern.row_idx(), values: lower };
+            let done = tree.factorise(&supernodes(symbolic), matrix, &mut self.values, eliminate);
+            return if done { self.inertia() } else { None };
         }
         let symbolic = SymbolicSparseColMatRef::new_checked(n, n, pattern.col_ptr(), None, pattern.row_idx());
         let matrix = SparseColMatRef::new(symbolic, lower);
@@ -177,15 +202,112 @@ impl Factor {
         if n == 0 {
             return;
         }
+        if let (SymbolicCholeskyRaw::Supernodal(symbolic), Some(tree)) = (self.symbolic.raw(), &self.tree) {
+            return tree.solve(&supernodes(symbolic), &self.values, rhs);
+        }
         let factors = LdltRef::new(&self.symbolic, &self.values);
         let stack = MemStack::new(&mut self.scratch);
         factors.solve_in_place_with_conj(Conj::No, MatMut::from_column_major_slice_mut(rhs, n, 1), Par::Seq, stack);
     }
 }
 
+fn supernodes(symbolic: &SymbolicSupernodalCholesky<u32>) -> Supernodes<'_> {
+    Supernodes {
+        columns: [symbolic.supernode_begin(), symbolic.supernode_end()],
+        row_ptr: symbolic.col_ptr_for_row_idx(),
+        num_rows: symbolic.nnz_per_super(),
+        rows: symbolic.row_idx(),
+        panel_ptr: symbolic.col_ptr_for_val(),
+    }
+}
+
+/// See [`Eliminate`](super::fronts::Eliminate): with A₁₁ = L₁₁ D L₁₁ᵀ the panel's rows become L₂₁ = A₂₁ L₁₁⁻ᵀ D⁻¹, and
+/// L₂₁ D L₂₁ᵀ is subtracted from the update.
+fn eliminate(panel: &mut [f64], [width, height]: [usize; 2], update: &mut [f64], product: &mut Vec<f64>) -> bool {
+    let panel = MatMut::from_column_major_slice_mut(panel, width + height, width);
+    let (mut top, mut bottom) = panel.split_at_row_mut(width);
+    let scratch = ldlt::factor::cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default());
+    let mut scratch = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut scratch);
+    let regularization = LdltRegularization::default();
+    if ldlt::factor::cholesky_in_place(top.as_mut(), regularization, Par::Seq, stack, Default::default()).is_err() {
+        return false;
+    }
+    for column in 1..width {
+        (0..column).for_each(|row| top[(row, column)] = 0.0);
+    }
+    if height == 0 {
+        return true;
+    }
+    solve_unit_lower_triangular_in_place(top.as_ref(), bottom.as_mut().transpose_mut(), Par::Seq);
+    // L₂₁ D
+    product.clear();
+    for column in 0..width {
+        let inverse = top[(column, column)].recip();
+        for value in bottom.as_mut().col_mut(column).iter_mut() {
+            product.push(*value);
+            *value *= inverse;
+        }
+    }
+    matmul(
+        MatMut::from_column_major_slice_mut(update, height, height),
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        MatRef::from_column_major_slice(product, height, width),
+        BlockStructure::Rectangular,
+        bottom.as_ref().transpose(),
+        BlockStructure::Rectangular,
+        -1.0,
+        Par::Seq,
+    );
+    true
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A closed ladder with long-range rungs: the factor is that of faer's own method, with the same bits for any number
+    /// of threads.
+    #[test]
+    fn fronts_give_the_factor_of_the_library() {
+        let count = 600;
+        let free = vec![[true; 6]; count];
+        let pairs = (0..count)
+            .flat_map(|a| (1..4).map(move |k| (a, (a + k) % count)))
+            .chain((0..count).map(|a| (a, count - 1 - a)))
+            .chain((0..20).map(|k| (31 * k, (97 * k + 300) % count)));
+        let owner: Vec<[usize; 6]> = (0..count).map(|node| [node; 6]).collect();
+        let (pattern, mut factor) = Factor::of(NodeGraph::new(&free, &owner, pairs)).unwrap();
+        let mut values: Vec<f64> = (0..pattern.num_entries()).map(|k| (1.0 + 1.7 * k as f64).sin()).collect();
+        for equation in 0..pattern.num_equations() {
+            values[pattern.diagonal(equation)] = if equation % 97 == 3 { -40.0 } else { 45.0 };
+        }
+        let exact: Vec<f64> = (0..pattern.num_equations()).map(|k| (0.3 + k as f64).cos()).collect();
+        let mut run = |threads: usize, fewest: Option<usize>| {
+            let pool = crate::math::parallel::Pool::new(threads).unwrap();
+            crate::math::parallel::in_pool(Some(&pool), || {
+                let SymbolicCholeskyRaw::Supernodal(symbolic) = factor.symbolic.raw() else { panic!("no diagonal") };
+                factor.tree = fewest.and_then(|_| EliminationTree::of_more(&supernodes(symbolic), 0.0));
+                let num_tasks = factor.tree.as_ref().map_or(0, EliminationTree::num_tasks);
+                assert!(num_tasks >= fewest.unwrap_or(0), "{num_tasks}");
+                let inertia = factor.factorise(&pattern, &values);
+                let mut x = pattern.multiply(&values, &exact);
+                factor.solve(&mut x);
+                (inertia, factor.values.clone(), x)
+            })
+        };
+        let (inertia, ours, x) = run(1, Some(1));
+        x.iter().zip(&exact).for_each(|(x, exact)| assert!((x - exact).abs() < 1e-11, "{x} {exact}"));
+        assert_eq!((inertia, ours.clone(), x), run(3, Some(3)));
+        let (expected, theirs, _) = run(1, None);
+        assert_eq!(inertia, expected);
+        assert!(inertia.unwrap().num_negative > 10);
+        let largest = theirs.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        for (k, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
+            assert!((ours - theirs).abs() < 1e-12 * largest, "{k}: {ours} {theirs}");
+        }
+    }
 
     /// A 1D chain with one soft negative spring: solution and inertia against a dense computation.
     #[test]

@@ -4,8 +4,12 @@
 //! long: eliminated from one end to the other their front is as wide as a cross-section, which no local rule sees.
 //! Reverse Cuthill–McKee (Cuthill & McKee 1969, George 1971) sees nothing else. On ladders both cost the same;
 //! where rods cross in all directions a cross-section is wide. So both are made, and their operations are counted.
+//!
+//! From one end alone each column waits for that before it. From both ends at once there are two halves that share
+//! nothing, for the same operations.
 
 use crate::sparse::NodeGraph;
+use crate::sparse::forest::{Forest, NONE};
 
 /// Neighbours of each node of a graph, itself left out.
 pub(super) struct Adjacency<'a> {
@@ -31,6 +35,14 @@ impl<'a> Adjacency<'a> {
 
     fn of(&self, node: u32) -> &[u32] {
         &self.all[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
+    }
+
+    /// The nodes from both ends of all to the middle.
+    pub(super) fn from_both_ends(&self) -> Vec<u32> {
+        let mut order = self.end_to_end();
+        let middle = order.len() / 2;
+        order[middle..].reverse();
+        order
     }
 
     /// The nodes of each connected part from one end to the other: reverse Cuthill–McKee.
@@ -61,15 +73,16 @@ impl<'a> Adjacency<'a> {
         order
     }
 
-    /// Multiplications of a factorisation with the nodes in an order of elimination, but for a common factor.
-    pub(super) fn operations(&self, order: &[u32]) -> f64 {
+    /// Which columns a factorisation needs for which, with the nodes in an order of elimination, and how many
+    /// multiplications each takes, but for a common factor.
+    pub(super) fn elimination(&self, order: &[u32]) -> Forest {
         let mut place = vec![0u32; order.len()];
         order.iter().zip(0..).for_each(|(&node, at)| place[node as usize] = at);
         // below the diagonal of a column: the places of the rows; those of eliminated columns are with their parents
         let mut rows: Vec<Vec<u32>> = vec![Vec::new(); order.len()];
         let mut children: Vec<Vec<u32>> = vec![Vec::new(); order.len()];
         let mut met = vec![u32::MAX; order.len()];
-        let mut sum = 0.0;
+        let (mut parents, mut work) = (Vec::with_capacity(order.len()), Vec::with_capacity(order.len()));
         for (&node, at) in order.iter().zip(0u32..) {
             let mut below: Vec<u32> = self.of(node).iter().map(|&other| place[other as usize]).collect();
             for child in std::mem::take(&mut children[at as usize]) {
@@ -79,13 +92,15 @@ impl<'a> Adjacency<'a> {
             let width = |place: u32| f64::from(self.graph.num_free(order[place as usize]));
             let own = width(at);
             let front = own + below.iter().map(|&row| width(row)).sum::<f64>();
-            sum += own * front * front;
-            if let Some(&parent) = below.iter().min() {
+            work.push(own * front * front);
+            let parent = below.iter().min().copied();
+            parents.push(parent.unwrap_or(NONE));
+            if let Some(parent) = parent {
                 children[parent as usize].push(at);
             }
             rows[at as usize] = below;
         }
-        sum
+        Forest::new(parents, work)
     }
 
     /// The nodes connected with one by their distance from it, neighbours of the same node by how many they have; and
@@ -131,10 +146,22 @@ mod tests {
         sorted.sort_unstable();
         assert!(sorted.into_iter().eq(0..(rods * nodes) as u32), "each node once");
         let front = 6.0 * (rods as f64 + 1.0);
-        let (ours, most) = (adjacency.operations(&order), (rods * nodes) as f64 * 6.0 * front * front);
+        let (ours, most) = (adjacency.elimination(&order).work(), (rods * nodes) as f64 * 6.0 * front * front);
         assert!(ours <= most, "{ours:e} {most:e}");
         let rod_after_rod: Vec<u32> = (0..(rods * nodes) as u32).collect();
-        assert!(adjacency.operations(&rod_after_rod) > 20.0 * ours);
+        assert!(adjacency.elimination(&rod_after_rod).work() > 20.0 * ours);
+    }
+
+    /// From both ends two halves are independent, for the same operations.
+    #[test]
+    fn both_ends_are_eliminated_at_once() {
+        let graph = bundle(5, 60);
+        let adjacency = Adjacency::new(&graph);
+        let [one, both] =
+            [adjacency.end_to_end(), adjacency.from_both_ends()].map(|order| adjacency.elimination(&order));
+        assert!(both.work() < 1.05 * one.work(), "{:e} {:e}", both.work(), one.work());
+        assert!(both.cut(2).longest < 0.6 * both.work(), "{:e}", both.cut(2).longest);
+        assert!(one.cut(2).longest > 0.9 * one.work(), "{:e}", one.cut(2).longest);
     }
 
     /// Parts that nothing connects, and single nodes.
@@ -149,7 +176,7 @@ mod tests {
         assert_eq!((place(0).abs_diff(place(2)), place(2).abs_diff(place(4)), place(1).abs_diff(place(5))), (1, 1, 1));
         // a chain of three, one of two, and two alone
         let exact = 6.0 * (12.0f64.powi(2) * 3.0 + 6.0f64.powi(2) * 4.0);
-        assert_eq!(adjacency.operations(&order), exact);
+        assert_eq!(adjacency.elimination(&order).work(), exact);
     }
 
     /// The count against the entries of a dense elimination.
@@ -169,6 +196,6 @@ mod tests {
             beside.iter().for_each(|&a| beside.iter().for_each(|&b| is_coupled[a][b] = true));
             exact += 6.0 * (6.0 * (1.0 + beside.len() as f64)).powi(2);
         }
-        assert_eq!(Adjacency::new(&graph).operations(&order), exact);
+        assert_eq!(Adjacency::new(&graph).elimination(&order).work(), exact);
     }
 }

@@ -19,6 +19,7 @@ use crate::contact::tree::exclusion::Exclusion;
 use crate::contact::zones::facing::Facing;
 use crate::contact::zones::straight::Lines;
 use crate::contact::zones::{BranchPiece, SegmentPair, SmoothJoint};
+use crate::math::handles::Handles;
 use crate::math::parallel::{CHEAP, DEAR};
 use crate::math::{Vec3, parallel};
 use integral::{PairIntegral, Projector};
@@ -65,6 +66,8 @@ pub(crate) struct ContactGeometry<'a> {
     remainders: &'a [[Vec3; 4]],
     /// Bending stiffness of each curve \[F·L²\]; empty if they count as equal.
     bending: &'a [f64],
+    /// Handles of each segment; empty if terms are wanted by control points alone.
+    handles: Vec<Handles>,
 }
 
 impl<'a> ContactGeometry<'a> {
@@ -75,6 +78,14 @@ impl<'a> ContactGeometry<'a> {
             bending: &set.bending,
             ..Self::new(Strands::of_set(set), &set.lengths, None)
         }
+    }
+
+    /// The curves of a set, for terms by the ends of segments.
+    pub(crate) fn by_ends(set: &'a CurveSet) -> Self {
+        let mut geometry = Self::of_set(set);
+        let handles = |k: usize| Handles::of(&geometry.near(k, &geometry.strands.ends(k).0).b);
+        geometry.handles = parallel::map(set.segments.len(), CHEAP, &handles);
+        geometry
     }
 
     /// Curves with the reference lengths of their segments \[L\], and the pairs excluded from the candidates.
@@ -93,7 +104,7 @@ impl<'a> ContactGeometry<'a> {
             };
             kinked = parallel::map(strands.len(), CHEAP, &kink);
         }
-        Self { strands, lengths, capsules, kinked, exclusion, remainders: &[], bending: &[] }
+        Self { strands, lengths, capsules, kinked, exclusion, remainders: &[], bending: &[], handles: Vec::new() }
     }
 }
 
@@ -222,9 +233,8 @@ impl ContactGeometry<'_> {
     }
 
     /// The ends of two segments.
-    fn coordinates(&self, [first, second]: [usize; 2]) -> Coordinates {
-        let origin = self.strands.ends(first).0;
-        Coordinates::ends(&self.near(first, &origin), &self.near(second, &origin))
+    fn coordinates(&self, segments: [usize; 2]) -> Coordinates {
+        Coordinates::Ends(segments.map(|k| self.handles[k]))
     }
 
     /// The terms of a pair with their second derivative.

@@ -8,7 +8,7 @@ use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Failed, Status, StepReport};
 use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
-use crate::solve::search::newton::{Iteration, NewtonReport, SearchOptions};
+use crate::solve::search::newton::{NewtonReport, SearchOptions};
 use crate::solve::search::trust_region::progress::stored_energy;
 
 /// Fall of the potential, over the energy stored, from which leaving an unstable equilibrium was worth the name.
@@ -29,7 +29,7 @@ impl Solver {
         // without a potential the inertia of the symmetric part does not decide stability
         let leaves = self.options.leave_unstable && self.engine.is_conservative();
         let mut idle = 0;
-        while outcome.converged && outcome.num_unstable > 0 && leaves && !ended_roughly(&options, &outcome) {
+        while options.is_at_rest(&outcome) && outcome.num_unstable > 0 && leaves {
             let may_leave = idle < options.max_escapes;
             let (before, potential) = (self.engine.state().clone(), self.engine.residual(self.engine.state()));
             let direction = self.workspace.negative_direction(&mut self.engine)?;
@@ -62,7 +62,7 @@ impl Solver {
         if !outcome.converged {
             return Err(Failed { status: Status::MaxIterations, error: outcome.obstacle });
         }
-        if outcome.num_unstable > 0 && leaves && !ended_roughly(&options, &outcome) {
+        if options.is_at_rest(&outcome) && outcome.num_unstable > 0 && leaves {
             return Err(Status::Unstable.into());
         }
         Ok(outcome.iterations.last().map_or(0.0, |iteration| iteration.increment))
@@ -81,10 +81,4 @@ impl Solver {
         report.history.push(outcome.iterations.clone());
         if outcome.interrupted { Err(Status::Stopped.into()) } else { Ok(outcome) }
     }
-}
-
-/// Whether a rough search ended before convergence, so not at a saddle.
-fn ended_roughly(options: &SearchOptions, outcome: &NewtonReport) -> bool {
-    let is_unfinished = |last: &Iteration| last.increment > options.newton.tol_increment;
-    options.rough.is_some() && outcome.iterations.last().is_some_and(is_unfinished)
 }

@@ -60,7 +60,8 @@ pub(crate) struct NewtonReport {
     pub(crate) converged: bool,
     /// All iterations.
     pub(crate) iterations: Vec<Iteration>,
-    /// Unstable directions of the last tangent (without shift).
+    /// Unstable directions where the search ended; 0 too where it ended before an equilibrium was reached, see
+    /// [`SearchOptions::is_at_rest`].
     pub(crate) num_unstable: usize,
     /// Work of moments along the search, by the steps of the trust region \[F·L\].
     pub(crate) work: f64,
@@ -100,6 +101,16 @@ pub(crate) struct SearchOptions<'a> {
 }
 
 impl SearchOptions<'_> {
+    /// Whether a search ended in an equilibrium, not only near enough for the next one.
+    pub(crate) fn is_at_rest(&self, report: &NewtonReport) -> bool {
+        report.converged && (self.rough.is_none() || self.is_last_step_short(report))
+    }
+
+    /// Whether the last step was within the tolerance.
+    fn is_last_step_short(&self, report: &NewtonReport) -> bool {
+        report.iterations.last().is_none_or(|last| last.increment <= self.newton.tol_increment)
+    }
+
     /// The same of a search of whose end nothing is known.
     pub(crate) fn without_foresight(&self) -> SearchOptions<'static> {
         let Self { newton, max_escapes, rough, near_rest, leaving, .. } = self.clone();
@@ -157,8 +168,23 @@ impl Workspace {
                 return Ok(report);
             }
         }
+        self.finish(engine, search, report)
+    }
+
+    /// Brings contact up to date with the state where a search ended, and counts the unstable directions there.
+    pub(super) fn finish(
+        &mut self,
+        engine: &mut Engine,
+        search: &SearchOptions,
+        mut report: NewtonReport,
+    ) -> Result<NewtonReport, SolveError> {
+        // the tangent of a state no farther away than the tolerance need not be made anew
+        let is_known = !report.iterations.is_empty() && search.is_last_step_short(&report) && self.is_known_stable();
+        let state = engine.state().clone();
         self.refresh(engine, &state)?;
-        report.num_unstable = self.count_unstable(engine)?;
+        if search.is_at_rest(&report) && !is_known {
+            report.num_unstable = self.count_unstable(engine)?;
+        }
         Ok(report)
     }
 }

@@ -100,7 +100,7 @@ impl Engine {
     /// are `wanted`, where contact now is.
     pub(crate) fn add_contact_of(&self, pairs: &[[u32; 2]], wanted: impl Fn(&ContactPair) -> bool, forces: &mut [f64]) {
         let Some(side) = self.contact.as_ref().filter(|_| !pairs.is_empty()) else { return };
-        let geometry = potential::ContactGeometry::of_set(&side.set);
+        let geometry = potential::ContactGeometry::by_ends(&side.set);
         let offset = |slave, master| side.offset(slave, master);
         let pressures = Pressures::of(side.law, &offset);
         for batch in pairs.chunks(AT_ONCE) {

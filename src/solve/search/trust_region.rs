@@ -152,7 +152,7 @@ impl Workspace {
                 Advance::Interrupted => return Ok(NewtonReport { interrupted: true, ..search.report }),
             }
         }
-        self.finish(engine, search)
+        self.end(engine, options, search)
     }
 
     /// Tries steps, each shorter than the one before, until one is accepted.
@@ -299,17 +299,19 @@ impl Workspace {
         engine.take_state(search.state.clone());
     }
 
-    fn finish(&mut self, engine: &mut Engine, search: Search) -> Result<NewtonReport, SolveError> {
+    fn end(
+        &mut self,
+        engine: &mut Engine,
+        options: &SearchOptions,
+        search: Search,
+    ) -> Result<NewtonReport, SolveError> {
         let mut report = search.report;
         report.obstacle = report.obstacle.filter(|_| !report.converged);
         engine.take_state(search.state);
         if let Some(side) = &mut engine.contact {
             side.before = None;
         }
-        let state = engine.state().clone();
-        self.refresh(engine, &state)?;
-        report.num_unstable = self.count_unstable(engine)?;
-        Ok(report)
+        self.finish(engine, options, report)
     }
 }
 

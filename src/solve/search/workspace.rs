@@ -40,6 +40,8 @@ pub(crate) struct Workspace {
     pub(crate) shift: f64,
     /// Shift of the factor at hand.
     pub(crate) factorised: f64,
+    /// Negative eigenvalues of the tangent with it; `None` if a pivot vanished, and without a factor.
+    num_negative: Option<usize>,
     /// Diagonal of the tangent while a shift is in it.
     unshifted: Vec<f64>,
     /// Last estimate of the softest direction.
@@ -64,7 +66,7 @@ impl Workspace {
         let generation = engine.contact.as_ref().map_or(self.generation, |side| side.generation());
         if self.pattern.is_none() || generation != self.generation {
             // freed first, because they are the largest allocations
-            (self.factor, self.pattern) = (None, None);
+            (self.factor, self.num_negative, self.pattern) = (None, None, None);
             self.tangent.places = Places::default();
             engine.check_memory()?;
             timed(&mut self.timings.symbolic, || {
@@ -153,15 +155,26 @@ impl Workspace {
             }
         }
         self.factorised = shift;
-        let inertia = timed(&mut self.timings.factor, || factor.factorise(pattern, values));
+        let inertia = timed(&mut self.timings.factor, || engine.install(|| factor.factorise(pattern, values)));
         for (eq, value) in self.unshifted.iter().enumerate() {
             values[pattern.diagonal(eq)] = *value;
         }
+        self.num_negative = None;
         let negative = inertia?.num_negative;
         self.border = None;
-        let Some(constraint) = self.zero_energy.sliding_constraint() else { return Some(negative) };
-        let response = self.solve_unconstrained(&constraint);
-        Some(self.border.insert(SlidingConstraint::new(constraint, response)).num_negative(negative))
+        self.num_negative = match self.zero_energy.sliding_constraint() {
+            None => Some(negative),
+            Some(constraint) => {
+                let response = self.solve_unconstrained(&constraint);
+                Some(self.border.insert(SlidingConstraint::new(constraint, response)).num_negative(negative))
+            }
+        };
+        self.num_negative
+    }
+
+    /// Whether the factor at hand shows that [`Workspace::count_unstable`] would count none where its tangent was made.
+    pub(super) fn is_known_stable(&self) -> bool {
+        self.num_negative == Some(0) && self.factorised <= NEUTRAL_SHIFT
     }
 
     /// Rounding error of a zero eigenvalue (of the tangent over the masses, in units of B/L⁴): a few units in the last

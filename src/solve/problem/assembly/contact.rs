@@ -35,7 +35,7 @@ impl Engine {
         if side.broad_phase.pairs().is_empty() {
             return;
         }
-        let geometry = ContactGeometry::of_set(&side.set);
+        let geometry = ContactGeometry::by_ends(&side.set);
         let largest_offset = side.largest_offset();
         let offset = |slave, master| side.offset(slave, master);
         let earlier = side.before.as_ref().filter(|_| sink.is_some());

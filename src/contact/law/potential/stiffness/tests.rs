@@ -37,7 +37,7 @@ fn moved(cubics: &[Cubic; 2], step: &[f64; 24]) -> [Vec3; 8] {
 fn terms_of_ends_are_those_of_the_control_points_that_they_move() {
     let set = crossing();
     let (law, offset) = (Law::Linear { stiffness: 1e3 }, |_: usize, _: usize| [0.01, -0.01]);
-    let (geometry, pressures) = (ContactGeometry::of_set(&set), Pressures::of(law, &offset));
+    let (geometry, pressures) = (ContactGeometry::by_ends(&set), Pressures::of(law, &offset));
     let points = evaluate_within(&geometry, &[[0, 1]], &pressures, Want::Hessian);
     let mut pair = [CandidateTerms::NONE];
     evaluate_tangents(&geometry, &[[0, 1]], &pressures, &mut pair);
