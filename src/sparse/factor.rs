@@ -34,10 +34,16 @@ pub struct Inertia {
 /// Symbolic analysis of one pattern with buffers for repeated numeric factorisation.
 pub struct Factor {
     symbolic: SymbolicCholesky<u32>,
-    /// The order of the work on all threads; `None` where the library does all by itself.
-    tree: Option<EliminationTree>,
+    method: Method,
     values: Vec<f64>,
-    scratch: MemBuffer,
+}
+
+/// Who does the numeric work.
+enum Method {
+    /// The library by itself, with this scratch.
+    Library(MemBuffer),
+    /// The library's dense kernels, in the order of this tree, on all threads.
+    Fronts(EliminationTree),
 }
 
 impl std::fmt::Debug for Factor {
@@ -72,7 +78,7 @@ fn ordered(graph: NodeGraph) -> Result<Pattern, SolveError> {
         .map_err(|e| failed(format!("{e:?}")))?;
     let by_degree = graph.nodes_of(&order);
     let adjacency = Adjacency::new(&graph);
-    let from_ends = adjacency.from_both_ends();
+    let from_ends = adjacency.ends_to_middle();
     let [ours, theirs] = [&from_ends, &by_degree].map(|order| adjacency.elimination(order));
     let threads = if theirs.work() > FOR_ONE_THREAD { 2 } else { 1 };
     let is_worth = ours.cut(threads).longest <= WORTH * theirs.cut(threads).longest;
@@ -106,10 +112,6 @@ impl Factor {
         let symbolic = factorize_symbolic_cholesky(matrix, Side::Upper, SymmetricOrdering::Identity, params)
             .map_err(|e| failed(format!("{e:?}")))?;
         drop((col_ptr, row_idx));
-        let scratch = symbolic
-            .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        let scratch = MemBuffer::try_new(scratch).map_err(|_| failed("out of memory".to_owned()))?;
         let values = vec![0.0; symbolic.len_val()];
         let tree = match symbolic.raw() {
             SymbolicCholeskyRaw::Supernodal(symbolic) => {
@@ -117,7 +119,11 @@ impl Factor {
             }
             SymbolicCholeskyRaw::Simplicial(_) => None,
         };
-        Ok(Self { symbolic, tree, values, scratch })
+        let method = match tree {
+            Some(tree) => Method::Fronts(tree),
+            None => Method::library(&symbolic)?,
+        };
+        Ok(Self { symbolic, method, values })
     }
 
     /// Number of stored entries of L.
@@ -132,25 +138,28 @@ impl Factor {
             // every unknown is supported: an empty matrix is legal
             return Some(Inertia { num_negative: 0 });
         }
-        if let (SymbolicCholeskyRaw::Supernodal(symbolic), Some(tree)) = (self.symbolic.raw(), &self.tree) {
-            let matrix = Lower { col_ptr: pattern.col_ptr(), row_idx: pattern.row_idx(), values: lower };
-            let done = tree.factorise(&supernodes(symbolic), matrix, &mut self.values, eliminate);
-            return if done { self.inertia() } else { None };
+        match (&mut self.method, self.symbolic.raw()) {
+            (Method::Fronts(tree), SymbolicCholeskyRaw::Supernodal(symbolic)) => {
+                let matrix = Lower { col_ptr: pattern.col_ptr(), row_idx: pattern.row_idx(), values: lower };
+                tree.factorise(&supernodes(symbolic), matrix, &mut self.values, eliminate).then_some(())?;
+            }
+            (Method::Library(scratch), _) => {
+                let symbolic = SymbolicSparseColMatRef::new_checked(n, n, pattern.col_ptr(), None, pattern.row_idx());
+                let matrix = SparseColMatRef::new(symbolic, lower);
+                self.symbolic
+                    .factorize_numeric_ldlt(
+                        &mut self.values,
+                        matrix,
+                        Side::Lower,
+                        LdltRegularization::default(),
+                        Par::Seq,
+                        MemStack::new(scratch),
+                        Default::default(),
+                    )
+                    .ok()?;
+            }
+            (Method::Fronts(_), SymbolicCholeskyRaw::Simplicial(_)) => unreachable!("fronts are of supernodes"),
         }
-        let symbolic = SymbolicSparseColMatRef::new_checked(n, n, pattern.col_ptr(), None, pattern.row_idx());
-        let matrix = SparseColMatRef::new(symbolic, lower);
-        let stack = MemStack::new(&mut self.scratch);
-        self.symbolic
-            .factorize_numeric_ldlt(
-                &mut self.values,
-                matrix,
-                Side::Lower,
-                LdltRegularization::default(),
-                Par::Seq,
-                stack,
-                Default::default(),
-            )
-            .ok()?;
         self.inertia()
     }
 
@@ -202,12 +211,28 @@ impl Factor {
         if n == 0 {
             return;
         }
-        if let (SymbolicCholeskyRaw::Supernodal(symbolic), Some(tree)) = (self.symbolic.raw(), &self.tree) {
-            return tree.solve(&supernodes(symbolic), &self.values, rhs);
+        match (&mut self.method, self.symbolic.raw()) {
+            (Method::Fronts(tree), SymbolicCholeskyRaw::Supernodal(symbolic)) => {
+                tree.solve(&supernodes(symbolic), &self.values, rhs);
+            }
+            (Method::Library(scratch), _) => {
+                let factors = LdltRef::new(&self.symbolic, &self.values);
+                let (rhs, stack) = (MatMut::from_column_major_slice_mut(rhs, n, 1), MemStack::new(scratch));
+                factors.solve_in_place_with_conj(Conj::No, rhs, Par::Seq, stack);
+            }
+            (Method::Fronts(_), SymbolicCholeskyRaw::Simplicial(_)) => unreachable!("fronts are of supernodes"),
         }
-        let factors = LdltRef::new(&self.symbolic, &self.values);
-        let stack = MemStack::new(&mut self.scratch);
-        factors.solve_in_place_with_conj(Conj::No, MatMut::from_column_major_slice_mut(rhs, n, 1), Par::Seq, stack);
+    }
+}
+
+impl Method {
+    /// # Errors
+    /// Memory that does not suffice.
+    fn library(symbolic: &SymbolicCholesky<u32>) -> Result<Self, SolveError> {
+        let scratch = symbolic
+            .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
+            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        Ok(Self::Library(MemBuffer::try_new(scratch).map_err(|_| failed("out of memory".to_owned()))?))
     }
 }
 
@@ -288,9 +313,14 @@ mod tests {
             let pool = crate::math::parallel::Pool::new(threads).unwrap();
             crate::math::parallel::in_pool(Some(&pool), || {
                 let SymbolicCholeskyRaw::Supernodal(symbolic) = factor.symbolic.raw() else { panic!("no diagonal") };
-                factor.tree = fewest.and_then(|_| EliminationTree::of_more(&supernodes(symbolic), 0.0));
-                let num_tasks = factor.tree.as_ref().map_or(0, EliminationTree::num_tasks);
-                assert!(num_tasks >= fewest.unwrap_or(0), "{num_tasks}");
+                factor.method = match fewest {
+                    None => Method::library(&factor.symbolic).unwrap(),
+                    Some(fewest) => {
+                        let tree = EliminationTree::of_more(&supernodes(symbolic), 0.0).unwrap();
+                        assert!(tree.num_tasks() >= fewest, "{}", tree.num_tasks());
+                        Method::Fronts(tree)
+                    }
+                };
                 let inertia = factor.factorise(&pattern, &values);
                 let mut x = pattern.multiply(&values, &exact);
                 factor.solve(&mut x);

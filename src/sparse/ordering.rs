@@ -38,7 +38,7 @@ impl<'a> Adjacency<'a> {
     }
 
     /// The nodes from both ends of all to the middle.
-    pub(super) fn from_both_ends(&self) -> Vec<u32> {
+    pub(super) fn ends_to_middle(&self) -> Vec<u32> {
         let mut order = self.end_to_end();
         let middle = order.len() / 2;
         order[middle..].reverse();
@@ -158,7 +158,7 @@ mod tests {
         let graph = bundle(5, 60);
         let adjacency = Adjacency::new(&graph);
         let [one, both] =
-            [adjacency.end_to_end(), adjacency.from_both_ends()].map(|order| adjacency.elimination(&order));
+            [adjacency.end_to_end(), adjacency.ends_to_middle()].map(|order| adjacency.elimination(&order));
         assert!(both.work() < 1.05 * one.work(), "{:e} {:e}", both.work(), one.work());
         assert!(both.cut(2).longest < 0.6 * both.work(), "{:e}", both.cut(2).longest);
         assert!(one.cut(2).longest > 0.9 * one.work(), "{:e}", one.cut(2).longest);

@@ -59,8 +59,8 @@ impl Linearised {
         let state = engine.state.clone();
         engine.update_contact(&state)?;
         engine.check_memory()?;
-        let (pattern, factor) = Factor::of(engine.node_graph_with(coupled))?;
         let engine = &*engine;
+        let (pattern, factor) = engine.install(|| Factor::of(engine.node_graph_with(coupled)))?;
         let (mut assembled, drive) = (Tangent::default(), PrescribedMotion::default());
         let stress = engine.actual_stress(&state);
         let residual = engine.linearise(&state, Some(&stress), &drive, (&pattern, &mut assembled));
@@ -91,7 +91,7 @@ impl Linearised {
             zero_energy: motions,
             num_negative: 0,
         };
-        linearised.factorise(&tangent, constraint)?;
+        engine.install(|| linearised.factorise(&tangent, constraint))?;
         Ok(linearised)
     }
 
@@ -110,6 +110,10 @@ impl Linearised {
     /// A motion under these forces, with some zero-energy modes in it: a response of the factor, refined by what is
     /// left of the forces. `engine` is in the state of the tangent.
     pub(crate) fn solve(&mut self, engine: &Engine, forces: &[f64]) -> Vec<f64> {
+        engine.install(|| self.refined(engine, forces))
+    }
+
+    fn refined(&mut self, engine: &Engine, forces: &[f64]) -> Vec<f64> {
         let mut motion = self.respond(forces);
         let whole = dot(forces, &motion).abs();
         let mut left = whole;
