@@ -67,6 +67,8 @@ pub(crate) struct NewtonReport {
     pub(crate) work: f64,
     /// What kept the last step from being taken as a whole, if the search did not converge.
     pub(crate) obstacle: Option<SolveError>,
+    /// Whether it ended because it would creep away from a saddle.
+    pub(crate) at_saddle: bool,
     /// Whether an [`Interrupt`] ended it.
     pub(crate) interrupted: bool,
 }
@@ -103,7 +105,7 @@ pub(crate) struct SearchOptions<'a> {
 impl SearchOptions<'_> {
     /// Whether a search ended in an equilibrium, not only near enough for the next one.
     pub(crate) fn is_at_rest(&self, report: &NewtonReport) -> bool {
-        report.converged && (self.rough.is_none() || self.is_last_step_short(report))
+        report.converged && (self.rough.is_none() || report.at_saddle || self.is_last_step_short(report))
     }
 
     /// Whether the last step was within the tolerance.

@@ -190,7 +190,7 @@ impl Workspace {
             });
             if is_accepted {
                 let accepted = Accepted { size, unbalanced, noise: residual.rounding, shift, goes_on: false };
-                return Ok(self.accept(engine, search, (residual, accepted), (&step, trial)));
+                return self.accept(engine, search, (residual, accepted), (&step, trial));
             }
             // the decrease that is left in a full step is below the rounding of the potential: no search gets
             // farther (a step that was cut short shows nothing)
@@ -257,13 +257,21 @@ impl Workspace {
         search: &mut Search,
         (residual, accepted): (&Residual, Accepted),
         (step, trial): (&ModelStep, CorrectedStep),
-    ) -> Advance {
+    ) -> Result<Advance, SolveError> {
         search.remaining *= 1.0 - trial.fraction;
         let accepted = Accepted { goes_on: search.is_pushed(), ..accepted };
         search.report.converged = search.rest.is_reached(engine, residual, (step, &trial), &accepted);
         search.rejections = if search.rest.is_stuck(&accepted) { search.rejections + 1 } else { 0 };
+        let load = residual.potential.load - search.report.work;
+        let potential = Potential { load, ..residual.potential };
         self.move_to(engine, search, residual, (step, trial));
-        if search.rejections > HALVINGS { Advance::NoFarther } else { Advance::Done }
+        let lingers = engine.is_conservative() && search.rest.lingers(&potential, &accepted);
+        if lingers && !search.report.converged {
+            // the caller decides whether to leave it
+            search.report.at_saddle = self.count_unstable(engine)? > 0;
+            search.report.converged = search.report.at_saddle;
+        }
+        Ok(if search.rejections > HALVINGS { Advance::NoFarther } else { Advance::Done })
     }
 
     /// Takes over the state of a trial, and what the step predicts for the next one.

@@ -1,9 +1,10 @@
 //! Convergence of the trust-region search.
 
 use super::corrected_step::CorrectedStep;
+use super::progress::stored_energy;
 use super::step::ModelStep;
-use crate::solve::measures::BALANCED;
-use crate::solve::problem::assembly::Residual;
+use crate::solve::measures::{BALANCED, NOTHING};
+use crate::solve::problem::assembly::{Potential, Residual};
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::contact_balance::is_light;
 
@@ -12,6 +13,10 @@ use crate::solve::search::contact_balance::is_light;
 const CONTACT_FOUND: f64 = 0.4;
 /// Tiny shifted steps in a row that mean a saddle, because the first may be chance.
 const SADDLE_STEPS: usize = 3;
+/// Steps in a row, shifted because the tangent is indefinite, in which the potential falls by [`NOTHING`] of the stored
+/// energy: the search lingers near a saddle. From there it would creep away by the ratio of a small eigenvalue to the
+/// shift, a thousand iterations in a heap of rods that may roll.
+const LINGERING: usize = 16;
 /// Change of contact forces, over their size, with which they have converged, because they are known no better than
 /// gaps are.
 const CONTACT_BALANCED: f64 = 1e-6;
@@ -43,13 +48,15 @@ pub(super) struct Convergence {
     rough: Option<f64>,
     /// Tiny shifted steps in a row.
     at_saddle: usize,
+    /// Shifted steps in a row that hardly lowered the potential, and the potential before them \[F·L\].
+    lingering: (usize, f64),
     /// Expected decreases of full steps in a row, all below the rounding of the potential.
     decrements: Vec<f64>,
 }
 
 impl Convergence {
     pub(super) fn new(tol_increment: f64, rough: Option<f64>) -> Self {
-        Self { tol_increment, rough, at_saddle: 0, decrements: Vec::new() }
+        Self { tol_increment, rough, at_saddle: 0, lingering: (0, f64::INFINITY), decrements: Vec::new() }
     }
 
     /// Whether a step is below the tolerance.
@@ -61,6 +68,17 @@ impl Convergence {
     /// balance. Without this test it would not end where strands have no room left.
     pub(super) fn is_stuck(&self, accepted: &Accepted) -> bool {
         accepted.shift > 0.0 && accepted.size <= self.tol_increment && accepted.unbalanced > NEARLY
+    }
+
+    /// Whether the search lingers with an accepted step from the state of this potential.
+    pub(super) fn lingers(&mut self, potential: &Potential, accepted: &Accepted) -> bool {
+        let (steps, before) = self.lingering;
+        let falls = potential.total() < before - NOTHING * stored_energy(potential);
+        // a large shift alone makes steps short, but leaves forces out of balance
+        let nearly = accepted.shift > 0.0 && accepted.unbalanced <= NEARLY && !accepted.goes_on;
+        self.lingering = if nearly && !falls { (steps + 1, before) } else { (0, potential.total()) };
+        // asked again after as many steps if it is no saddle
+        self.lingering.0 > 0 && self.lingering.0.is_multiple_of(LINGERING)
     }
 
     /// Whether the search has converged with an accepted step from the state of `residual`.
