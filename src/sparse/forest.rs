@@ -18,7 +18,7 @@ pub(super) struct Forest {
 }
 
 /// Disjoint subtrees, and the work that one after the other must be done with them on all threads.
-pub(super) struct Cut {
+pub(super) struct SubtreeCut {
     /// Roots of the subtrees, ascending.
     pub(super) roots: Vec<u32>,
     /// What lies above the subtrees, and the largest of these or a thread's share of all.
@@ -55,9 +55,9 @@ impl Forest {
         self.own.iter().sum()
     }
 
-    /// The cut with the least of [`Cut::longest`] for a number of threads: the largest subtree makes way for its
+    /// The cut with the least of [`SubtreeCut::longest`] for a number of threads: the largest subtree makes way for its
     /// children as long as that may be less.
-    pub(super) fn cut(&self, threads: usize) -> Cut {
+    pub(super) fn cut(&self, threads: usize) -> SubtreeCut {
         let mut work = self.own.clone();
         for (vertex, &parent) in self.parents.iter().enumerate().filter(|(_, parent)| **parent != NONE) {
             work[parent as usize] += work[vertex];
@@ -85,7 +85,7 @@ impl Forest {
         let is_below = |parent: u32| parent == NONE || is_opened[parent as usize];
         let roots =
             (0u32..).zip(&self.parents).filter(|(vertex, parent)| is_below(**parent) && !is_opened[*vertex as usize]);
-        Cut { roots: roots.map(|(vertex, _)| vertex).collect(), longest }
+        SubtreeCut { roots: roots.map(|(vertex, _)| vertex).collect(), longest }
     }
 }
 
