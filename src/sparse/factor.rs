@@ -292,8 +292,8 @@ fn eliminate(panel: &mut [f64], [width, height]: [usize; 2], update: &mut [f64],
 mod tests {
     use super::*;
 
-    /// A closed ladder with long-range rungs: the factor is that of faer's own method, with the same bits for any number
-    /// of threads.
+    /// A closed ladder with long-range rungs: the factor is that of faer's own method, with the same bits for any
+    /// number of threads.
     #[test]
     fn fronts_give_the_factor_of_the_library() {
         let count = 600;

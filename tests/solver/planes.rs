@@ -8,7 +8,7 @@ use std::path::Path;
 
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
-use supercoil::scene::Scene;
+use supercoil::scene::{Fidelity, Scene};
 use supercoil::solve::{self, Options, Restart, Solution, Status, run_from};
 
 fn run(text: &str, options: &Options) -> (Solution, Vec<Observation>) {
@@ -163,18 +163,21 @@ fn a_heap_of_rods_comes_to_rest() {
     assert!(at_rest >= 2, "{at_rest} of three");
 }
 
-/// Seven rods and rings of random stiffness fall into a trough, whose sides carry their weight and push alike. Symptom: the
-/// step was halved until it was too small. Mechanism: rods that may roll off each other leave saddles slowly and release
-/// little of the energy that the rings store, so that the search's budget was spent on the way.
+/// Seven rods and rings of random stiffness fall into a trough, whose sides carry their weight and push alike. Symptom:
+/// the step was halved until it was too small. Mechanism: rods that may roll off each other leave saddles slowly, and
+/// release little of the energy that the rings store, so that the search's budget was spent on the way.
 #[test]
 fn a_heap_in_a_trough_comes_to_rest() {
     let text = include_str!("../scenes/heap_in_a_trough.toml");
     let model = Scene::from_toml(text, Path::new("")).unwrap().model;
     let weight: f64 = model.line_loads.iter().map(|load| -load.force.z * model.rods[load.rod].length).sum();
-    let (solution, seen) = end_of(text, &Options::default());
+    let mut options = Options::default();
+    // that of the scene
+    options.newton.tol_increment = Fidelity::Draft.tol_increment();
+    let (solution, seen) = end_of(text, &options);
     assert_eq!(solution.status, Status::Converged);
     for side in &seen[seen.len() - 1].obstacle_reactions {
-        assert!((side.force - weight / (2.0 * 0.8)).abs() < 1e-6 * weight, "{side:?} {weight}");
+        assert!((side.force - weight / (2.0 * 0.8)).abs() < 1e-4 * weight, "{side:?} {weight}");
     }
 }
 

@@ -1,8 +1,8 @@
 //! A plasmid of `examples/` brought to rest: how long it takes, and the middle of its plectoneme beside the closed
 //! forms. Units nm, pN.
 //!
-//! `cargo run --release -p supercoil-tools --bin plasmid -- puc19`; or `pbr322`, `lambda_phage`, `ecoli_length` (5 min on
-//! two threads, 10.1 GiB).
+//! `cargo run --release -p supercoil-tools --bin plasmid -- puc19`; or `pbr322`, `lambda_phage`, `ecoli_length` (5 min
+//! on two threads, 10.1 GiB).
 #![allow(clippy::print_stdout)] // a program talks to its reader
 
 use std::error::Error;

@@ -8,8 +8,8 @@ use crate::solve::problem::assembly::Potential;
 const PROGRESS: f64 = 0.01;
 
 /// Fall in the second half of the iterations allowed, over that in the first, with which a search goes on, because one
-/// that leaves a saddle falls faster and faster: rods of a heap that roll off each other, by 1e-4 of the energy that its
-/// rings store. At most some thirty times in a row, by as many factors of two.
+/// that leaves a saddle falls faster and faster: rods of a heap that roll off each other, by 1e-4 of the energy of its
+/// rings. At most some thirty times in a row, by as many factors of two.
 const FASTER: f64 = 2.0;
 
 /// Energy stored in rods and contact.
