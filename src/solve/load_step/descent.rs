@@ -23,11 +23,12 @@ impl Solver {
         options: &SearchOptions,
         report: &mut StepReport,
     ) -> Result<f64, Failed> {
-        let mut outcome = self.equilibrate(drive, options, report)?;
-        // nothing is known of where a descent leads
-        let options = options.without_foresight();
         // without a potential the inertia of the symmetric part does not decide stability
         let leaves = self.options.leave_unstable && self.engine.is_conservative();
+        let options = SearchOptions { max_escapes: if leaves { options.max_escapes } else { 0 }, ..options.clone() };
+        let mut outcome = self.equilibrate(drive, &options, report)?;
+        // nothing is known of where a descent leads
+        let options = options.without_foresight();
         let mut idle = 0;
         while options.is_at_rest(&outcome) && outcome.num_unstable > 0 && leaves {
             let may_leave = idle < options.max_escapes;
@@ -62,7 +63,7 @@ impl Solver {
         if !outcome.converged {
             return Err(Failed { status: Status::MaxIterations, error: outcome.obstacle });
         }
-        if options.is_at_rest(&outcome) && outcome.num_unstable > 0 && leaves {
+        if outcome.at_saddle || options.is_at_rest(&outcome) && outcome.num_unstable > 0 && leaves {
             return Err(Status::Unstable.into());
         }
         Ok(outcome.iterations.last().map_or(0.0, |iteration| iteration.increment))

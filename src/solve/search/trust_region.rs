@@ -59,6 +59,8 @@ struct Search {
     remaining: f64,
     trust: TrustRegion,
     rest: Convergence,
+    /// Whether a saddle may be left.
+    leaves: bool,
     progress: SearchProgress,
     /// Steps rejected or stuck in a row.
     rejections: usize,
@@ -88,6 +90,7 @@ impl Search {
             remaining,
             trust: TrustRegion::new(options.uncertainty),
             rest,
+            leaves: options.max_escapes > 0 && engine.is_conservative(),
             progress,
             rejections: 0,
             report: NewtonReport::default(),
@@ -265,9 +268,9 @@ impl Workspace {
         let load = residual.potential.load - search.report.work;
         let potential = Potential { load, ..residual.potential };
         self.move_to(engine, search, residual, (step, trial));
-        let lingers = engine.is_conservative() && search.rest.lingers(&potential, &accepted);
+        let lingers = search.leaves && search.rest.lingers(&potential, &accepted);
         if lingers && !search.report.converged {
-            // the caller decides whether to leave it
+            // no equilibrium to the tolerance: the caller leaves it, or the search has failed
             search.report.at_saddle = self.count_unstable(engine)? > 0;
             search.report.converged = search.report.at_saddle;
         }
