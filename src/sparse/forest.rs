@@ -72,7 +72,8 @@ impl Forest {
             if here < longest {
                 (longest, num_opened) = (here, opened.len());
             }
-            if above >= longest {
+            // opening a subtree takes work from those that share it
+            if above + below / threads as f64 >= longest {
                 break;
             }
             subtrees.pop();

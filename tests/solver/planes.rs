@@ -163,9 +163,9 @@ fn a_heap_of_rods_comes_to_rest() {
     assert!(at_rest >= 2, "{at_rest} of three");
 }
 
-/// Seven rods and rings of random stiffness fall into a trough, whose sides carry their weight and push alike. Symptom:
-/// the step was halved until it was too small. Mechanism: rods that may roll off each other leave saddles slowly, and
-/// release little of the energy that the rings store, so that the search's budget was spent on the way.
+/// Six rods of random stiffness, one of them a ring, fall into a trough, whose sides carry their weight and push alike.
+/// Symptom: the step was halved until it was too small. Mechanism: rods that may roll off each other leave saddles
+/// slowly, so that the search's budget was spent on the way.
 #[test]
 fn a_heap_in_a_trough_comes_to_rest() {
     let text = include_str!("../scenes/heap_in_a_trough.toml");

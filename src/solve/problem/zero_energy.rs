@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 
 use crate::contact::potential::surface::SurfaceContact;
 use crate::math::signed_distance::{Skeleton, Surface};
-use crate::math::{Mat3, Vec3, parallel};
+use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
 use crate::scene::NodeRef;
 use crate::solve::measures::NOTHING;
@@ -33,16 +33,15 @@ use crate::solve::problem::state::State;
 use crate::solve::problem::swivel::Bases;
 use crate::sparse::Pattern;
 use hinged::PartRotation;
+use orthonormal::{add, least_size, subtract, subtract_force, weighted};
 use several::Several;
 
 /// Relative deviation up to which directions and motions are the same, because meshes do not tell them apart.
 pub(super) const TOLERANCE: f64 = 1e-3;
 
 mod hinged;
+mod orthonormal;
 mod several;
-
-/// Numbers of a vector in a piece of work, six for each of some nodes, because they take some microseconds.
-const VECTOR_PART: usize = 6 * parallel::CHEAP;
 
 /// Square of a motion where a rod is held, over the largest, below which supports let it pass: ends that are coaxial
 /// but for the last digits of a file would leave a motion that costs a ten millionth of the energy, and searches end
@@ -659,50 +658,4 @@ fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
 fn weights(engine: &Engine) -> [f64; 2] {
     let lever = TOLERANCE * engine.scales.length;
     [1.0, lever * lever]
-}
-
-fn weighted(weights: [f64; 2], a: &[f64], b: &[f64]) -> f64 {
-    parallel::sum(a.len(), VECTOR_PART, &|part| {
-        let numbers = a[part.clone()].iter().zip(&b[part]).enumerate();
-        numbers.map(|(i, (x, y))| weights[usize::from(i % 6 >= 3)] * x * y).sum()
-    })
-}
-
-/// Size below which a combination of motions is none: a straight rod between coaxial clamps turns back as much as it
-/// turns.
-fn least_size<'a>(weights: [f64; 2], motions: impl Iterator<Item = &'a Vec<f64>>) -> f64 {
-    let size = |motion: &Vec<f64>| weighted(weights, motion, motion).sqrt();
-    TOLERANCE * motions.map(size).fold(f64::INFINITY, f64::min)
-}
-
-/// Orthonormalises a motion against those of a basis and adds it; false if it depends on them, or is none.
-fn add(weights: [f64; 2], basis: &mut Vec<Vec<f64>>, mut motion: Vec<f64>, least: f64) -> bool {
-    let before = weighted(weights, &motion, &motion).sqrt();
-    // twice is enough
-    for _ in 0..2 {
-        for earlier in basis.iter() {
-            let part = weighted(weights, &motion, earlier);
-            subtract(&mut motion, earlier, part);
-        }
-    }
-    let norm = weighted(weights, &motion, &motion).sqrt();
-    if norm <= least.max(TOLERANCE * before) {
-        return false;
-    }
-    motion.iter_mut().for_each(|x| *x /= norm);
-    basis.push(motion);
-    true
-}
-
-/// Takes the force out of a gradient that does this work on a motion.
-fn subtract_force(gradient: &mut [f64], motion: &[f64], work: f64, weights: [f64; 2]) {
-    for (i, (g, v)) in gradient.iter_mut().zip(motion).enumerate() {
-        *g -= work * weights[usize::from(i % 6 >= 3)] * v;
-    }
-}
-
-fn subtract(x: &mut [f64], direction: &[f64], amount: f64) {
-    parallel::each_part(x, VECTOR_PART, &|first, part| {
-        part.iter_mut().zip(&direction[first..]).for_each(|(a, b)| *a -= amount * b);
-    });
 }

@@ -90,11 +90,16 @@ impl Search {
             remaining,
             trust: TrustRegion::new(options.uncertainty),
             rest,
-            leaves: options.max_escapes > 0 && engine.is_conservative(),
+            leaves: options.max_escapes > 0,
             progress,
             rejections: 0,
             report: NewtonReport::default(),
         }
+    }
+
+    /// The potential at a state of the search, less the work of moments on the way.
+    fn potential(&self, residual: &Residual) -> Potential {
+        Potential { load: residual.potential.load - self.report.work, ..residual.potential }
     }
 
     /// Whether supports are still to move. Their motion does work, so the potential may rise.
@@ -141,8 +146,7 @@ impl Workspace {
             if let Some(rod) = engine.falling_for_ever(&search.state, &residual) {
                 return Err(SolveError::Falls { rod: engine.model.rods[rod].name.clone() });
             }
-            let load = residual.potential.load - search.report.work;
-            let potential = Potential { load, ..residual.potential };
+            let potential = search.potential(&residual);
             if potential.total() < floor {
                 break;
             }
@@ -265,8 +269,7 @@ impl Workspace {
         let accepted = Accepted { goes_on: search.is_pushed(), ..accepted };
         search.report.converged = search.rest.is_reached(engine, residual, (step, &trial), &accepted);
         search.rejections = if search.rest.is_stuck(&accepted) { search.rejections + 1 } else { 0 };
-        let load = residual.potential.load - search.report.work;
-        let potential = Potential { load, ..residual.potential };
+        let potential = search.potential(residual);
         self.move_to(engine, search, residual, (step, trial));
         let lingers = search.leaves && search.rest.lingers(&potential, &accepted);
         if lingers && !search.report.converged {
