@@ -51,14 +51,13 @@ pub fn start_overlaps(model: &Model) -> Result<Vec<StartOverlap>, RunError> {
     let of_site = |site: &SiteReport| overlap([site.rod_a, site.rod_b], [site.arc_a, site.arc_b], site.gap);
     let mut overlaps: Vec<StartOverlap> = contact_sites(&engine).iter().map(of_site).collect();
     // coincident centrelines have no normal and no site
-    if let Some(side) = &engine.contact {
-        let tol = TOL_DEPTH * side.min_radius;
-        let found = smallest_clearance(&side.set, &side.exclusion, 0.0, tol);
-        let deepest = overlaps.iter().map(|o| o.distance - o.contact_distance).fold(0.0, f64::min);
-        if let Some(found) = found.filter(|found| found.upper < deepest - 2.0 * tol) {
-            let rods = [found.segment_a, found.segment_b].map(|segment| side.rods[side.set.curve_of(segment)]);
-            overlaps.push(overlap(rods, [[found.arc_a; 2], [found.arc_b; 2]], found.upper));
-        }
+    let side = &engine.contact;
+    let tol = TOL_DEPTH * side.min_radius;
+    let found = smallest_clearance(&side.set, &side.exclusion, 0.0, tol);
+    let deepest = overlaps.iter().map(|o| o.distance - o.contact_distance).fold(0.0, f64::min);
+    if let Some(found) = found.filter(|found| found.upper < deepest - 2.0 * tol) {
+        let rods = [found.segment_a, found.segment_b].map(|segment| side.rods[side.set.curve_of(segment)]);
+        overlaps.push(overlap(rods, [[found.arc_a; 2], [found.arc_b; 2]], found.upper));
     }
     overlaps.retain(|o| o.distance < (1.0 - NOTABLE) * o.contact_distance);
     overlaps.sort_by(|a, b| (a.distance / a.contact_distance).total_cmp(&(b.distance / b.contact_distance)));

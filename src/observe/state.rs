@@ -203,10 +203,8 @@ pub fn contact_sites(engine: &Engine) -> Vec<SiteReport> {
 /// of an element, apart.
 pub fn contact_lines(engine: &Engine) -> Vec<LineSample> {
     let residual = engine.residual(engine.state());
-    engine
-        .contact
-        .as_ref()
-        .map_or_else(Vec::new, |side| lines(&side.set, &residual.contact_pairs, &side.rods, &layer(engine, side)))
+    let side = &engine.contact;
+    lines(&side.set, &residual.contact_pairs, &side.rods, &layer(engine, side))
 }
 
 /// Contact force per length at the nodes of every rod \[F/L\], as lines have their pressure: the force on each node is
@@ -215,7 +213,7 @@ pub fn contact_lines(engine: &Engine) -> Vec<LineSample> {
 /// resultant. `fields` are [`Engine::all_nodal_fields`].
 pub fn smoothed_contact_forces(engine: &Engine, fields: &[NodalFields]) -> Vec<Vec<Vec3>> {
     let raw = || fields.iter().map(|fields| fields.contact_force.clone());
-    let Some(side) = &engine.contact else { return raw().collect() };
+    let side = &engine.contact;
     let layer = layer(engine, side);
     let smoothed = |(rod, raw): (usize, Vec<Vec3>)| match side.rods.iter().position(|&other| other == rod) {
         Some(curve) => smoothed(&engine.model().rods[rod], &raw, layer.resolution(curve, curve)),
@@ -239,16 +237,13 @@ fn smoothed(rod: &Rod, raw: &[Vec3], width: f64) -> Vec<Vec3> {
 }
 
 fn sites_of(engine: &Engine, residual: &Residual) -> Vec<SiteReport> {
-    engine
-        .contact
-        .as_ref()
-        .map_or_else(Vec::new, |side| sites(&side.set, &residual.contact_pairs, &side.rods, &layer(engine, side)))
+    let side = &engine.contact;
+    sites(&side.set, &residual.contact_pairs, &side.rods, &layer(engine, side))
 }
 
 fn obstacle_sites_of(engine: &Engine, residual: &Residual) -> Vec<ObstacleSite> {
-    engine.contact.as_ref().map_or_else(Vec::new, |side| {
-        obstacle_sites(&side.set, &residual.surface_contacts, &side.rods, &layer(engine, side))
-    })
+    let side = &engine.contact;
+    obstacle_sites(&side.set, &residual.surface_contacts, &side.rods, &layer(engine, side))
 }
 
 fn obstacle_reactions_of(engine: &Engine, residual: &Residual) -> Vec<ObstacleReaction> {
@@ -351,9 +346,10 @@ fn overlaps(
     certificate: &Certificate,
 ) -> (Option<String>, Vec<String>) {
     let engine = progress.engine;
-    let Some(side) = engine.contact.as_ref().filter(|_| progress.report.status == Status::Converged) else {
+    let side = &engine.contact;
+    if side.is_empty() || progress.report.status != Status::Converged {
         return (None, Vec::new());
-    };
+    }
     let rods = &engine.model().rods;
     let too_tight = side.rods.iter().filter_map(|&rod| {
         let name = &rods[rod].name;
@@ -406,7 +402,10 @@ fn gap_report(found: OwnGap) -> GapReport {
 }
 
 fn contact_gap(engine: &Engine) -> Option<GapReport> {
-    let side = engine.contact.as_ref().filter(|side| side.is_current)?;
+    let side = &engine.contact;
+    if !side.is_current {
+        return None;
+    }
     let (max_gap, tol) = (MAX_GAP * side.min_radius, TOL_GAP * side.min_radius);
     let found = engine.install(|| smallest_clearance(&side.set, &side.exclusion, max_gap, tol))?;
     let rod = |segment: usize| side.rods[side.set.curve_of(segment)];

@@ -75,7 +75,7 @@ pub(super) struct Touching {
 
 /// All contacts at a state, from its residual with zones.
 pub(super) fn contacts(engine: &Engine, residual: &Residual) -> Vec<Touching> {
-    let Some(side) = &engine.contact else { return Vec::new() };
+    let side = &engine.contact;
     let mut parts = parts(side, residual);
     let index: BTreeMap<TouchPlace, usize> = {
         let mut all: Vec<TouchPlace> = parts.iter().flat_map(|part| part.places.iter().copied()).collect();
@@ -149,7 +149,7 @@ fn shortest(engine: &Engine, side: &ContactSide, places: &[TouchPlace]) -> f64 {
 
 /// Nodes of each contact that is a point: products of its mean gap couple all of them.
 pub(super) fn coupled(engine: &Engine, contacts: &[Touching]) -> Vec<Vec<usize>> {
-    let Some(side) = &engine.contact else { return Vec::new() };
+    let side = &engine.contact;
     let of_place = |place: &TouchPlace| match place {
         TouchPlace::Pair(pair) => pair.iter().flat_map(|&segment| side.nodes[segment]).collect::<Vec<_>>(),
         TouchPlace::Surface(segment, surface) => {
@@ -209,7 +209,7 @@ pub(super) fn closed_points(
     rates: &[Vec<GapRate>],
     residual: &Residual,
 ) -> Vec<ClosedPoint> {
-    let Some(side) = &engine.contact else { return Vec::new() };
+    let side = &engine.contact;
     let of_contact = |(contact, points): (&Touching, &Vec<GapRate>)| {
         let (_, smallest) = nearest(side, &contact.places, residual)?;
         let mean = mean(points)?;
@@ -242,13 +242,13 @@ fn nearest(side: &ContactSide, places: &[TouchPlace], residual: &Residual) -> Op
 
 /// Smallest gaps \[L\] of points of contact in a residual with zones, NaN of one that is no longer near.
 pub(super) fn gaps_of(engine: &Engine, closed: &[ClosedPoint], residual: &Residual) -> Vec<f64> {
-    let smallest = |point: &ClosedPoint| nearest(engine.contact.as_ref()?, &point.places, residual);
+    let smallest = |point: &ClosedPoint| nearest(&engine.contact, &point.places, residual);
     closed.iter().map(|point| smallest(point).map_or(f64::NAN, |(gap, _)| gap)).collect()
 }
 
 /// Where the offsets of a point of contact are.
 pub(super) fn offsets_of(engine: &Engine, point: &ClosedPoint) -> Vec<usize> {
-    let Some(side) = &engine.contact else { return Vec::new() };
+    let side = &engine.contact;
     let of_place = |place: &TouchPlace| match *place {
         TouchPlace::Pair([a, b]) => {
             let both = [(a, b), (b, a)].into_iter();
@@ -268,12 +268,12 @@ pub(super) fn offsets_of(engine: &Engine, point: &ClosedPoint) -> Vec<usize> {
 
 /// Sum of the forces of all contacts \[F\], by a residual with zones.
 pub(super) fn total_force(engine: &Engine, residual: &Residual) -> f64 {
-    engine.contact.as_ref().map_or(0.0, |side| parts(side, residual).iter().map(|part| part.force).sum())
+    parts(&engine.contact, residual).iter().map(|part| part.force).sum()
 }
 
 /// [`GapRate`] of the points of each contact, by the residual of the tangent.
 pub(super) fn gap_rates(engine: &Engine, contacts: &[Touching], residual: &Residual) -> Vec<Vec<GapRate>> {
-    let Some(side) = &engine.contact else { return Vec::new() };
+    let side = &engine.contact;
     let mut owner = BTreeMap::new();
     for (k, contact) in contacts.iter().enumerate() {
         owner.extend(contact.places.iter().map(|place| (*place, k)));

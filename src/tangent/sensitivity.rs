@@ -316,14 +316,10 @@ fn difference(step: f64, mut at: impl FnMut(f64) -> Vec<f64>) -> Vec<f64> {
 
 /// Does some work with offsets that are changed at their rates.
 fn with_offsets<R>(engine: &mut Engine, (rates, by): (&[(usize, f64)], f64), work: impl FnOnce(&mut Engine) -> R) -> R {
-    let before = engine.contact.as_ref().map(|side| side.offsets.clone());
-    if let Some(side) = &mut engine.contact {
-        rates.iter().for_each(|(index, rate)| side.offsets.values[*index] += by * rate);
-    }
+    let before = engine.contact.offsets.clone();
+    rates.iter().for_each(|(index, rate)| engine.contact.offsets.values[*index] += by * rate);
     let result = work(engine);
-    if let Some((side, before)) = engine.contact.as_mut().zip(before) {
-        side.offsets = before;
-    }
+    engine.contact.offsets = before;
     result
 }
 
@@ -424,7 +420,7 @@ impl EquilibriumTangent<'_> {
             return Ok(Rate { forces: self.driven(motion), gaps, ..Rate::default() });
         }
         let of = of.filter(|of| !matches!(of, Observable::Reaction { .. } | Observable::ContactForce));
-        let touches = parameter.touches() && self.engine.contact.as_ref().is_some_and(|side| side.is_near());
+        let touches = parameter.touches() && self.engine.contact.is_near();
         if parameter.is_linear() && !touches {
             return Ok(self.linear_rate(parameter, of, here));
         }
@@ -432,9 +428,9 @@ impl EquilibriumTangent<'_> {
         let apart = touches && self.closed.len() == self.contacts.len();
         let offsets = if apart { self.offsets_that_follow(parameter)? } else { Vec::new() };
         let keeps_overlaps = !offsets.is_empty();
-        let near = overlap.map(|overlap| match &self.engine.contact {
-            Some(side) if keeps_overlaps => (STEP_OF_GAPS * overlap * side.min_radius).sqrt(),
-            _ => STEP_OF_GAPS * overlap,
+        let near = overlap.map(|overlap| match keeps_overlaps {
+            true => (STEP_OF_GAPS * overlap * self.engine.contact.min_radius).sqrt(),
+            false => STEP_OF_GAPS * overlap,
         });
         let step = parameter.step(self.engine, near);
         let (num_closed, closed) = (self.closed.len(), &self.closed);

@@ -56,8 +56,10 @@ fn held_by_surfaces<'a>(side: &'a ContactSide, residual: &'a Residual) -> impl I
 impl Solver {
     /// Contacts that offsets hold open, from the residual of the present state, with zones.
     pub(in crate::solve) fn complementarity(&self, residual: &Residual) -> Complementarity {
-        let holds = |side: &&ContactSide| side.offsets.values.iter().any(|offset| *offset > 0.0);
-        let Some(side) = self.engine.contact.as_ref().filter(holds) else { return Complementarity::default() };
+        let side = &self.engine.contact;
+        if side.largest_offset_in_force() == 0.0 {
+            return Complementarity::default();
+        }
         let (set, offsets) = (&side.set, &side.offsets);
         // it acts like a rod thicker by this part
         let open = OPEN * side.min_radius;

@@ -83,8 +83,7 @@ impl Solver {
 
     /// Pressure of the core law over its depth \[F/L²\].
     fn core_stiffness(&self) -> f64 {
-        let radius = self.engine.contact.as_ref().map_or(1.0, |side| side.min_radius);
-        self.engine.pressure_scale() / (DEPTH * 2.0 * radius)
+        self.engine.pressure_scale() / (DEPTH * 2.0 * self.engine.contact.min_radius)
     }
 
     /// From the core law to the requested one, or to the stiffest softer law that the mesh resolves: on a mesh too
@@ -116,8 +115,8 @@ impl Solver {
 
     /// Extent of the last step of a rough search under the law in force, rad.
     fn rough_extent(&self) -> f64 {
-        match self.engine.contact.as_ref().map(|side| side.law) {
-            Some(Law::Core { depth, .. }) => ROUGH_EXTENT.min(depth),
+        match self.engine.contact.law {
+            Law::Core { depth, .. } => ROUGH_EXTENT.min(depth),
             _ => ROUGH_EXTENT,
         }
     }

@@ -186,7 +186,7 @@ fn work_of_motions(engine: &Engine, residual: &Residual, changes: &Changes) -> f
 
 /// Of obstacles that move and contact radii that grow: contact forces times what they close gaps by.
 fn work_of_contact(engine: &Engine, residual: &Residual, changes: &Changes) -> f64 {
-    let Some(side) = &engine.contact else { return 0.0 };
+    let side = &engine.contact;
     let growth = |segment: usize| {
         let key = (side.rods[side.set.curve_of(segment)], RodNumber::ContactRadius);
         let at = |state: &State| state.numbers().get(&key).copied();

@@ -44,7 +44,7 @@ pub(in crate::solve) enum ContactOfGuess {
 impl ContactOfGuess {
     /// That of a solver in whose state contact is enforced.
     pub(in crate::solve) fn of(engine: &Engine) -> Self {
-        engine.contact.as_ref().map_or(Self::Kept, |side| Self::Known(LawInForce::of(side)))
+        Self::Known(LawInForce::of(&engine.contact))
     }
 }
 
@@ -122,9 +122,8 @@ impl Solver {
     /// Puts state and contact of a guess in force.
     pub(super) fn take(&mut self, guess: &Guess) {
         self.engine.take_state(guess.state.clone());
-        if let (Some(side), ContactOfGuess::Known(LawInForce { law, offsets, before })) =
-            (&mut self.engine.contact, guess.contact.clone())
-        {
+        if let ContactOfGuess::Known(LawInForce { law, offsets, before }) = guess.contact.clone() {
+            let side = &mut self.engine.contact;
             (side.law, side.offsets, side.before) = (law, offsets, before);
             self.engine.take_tangents();
         }
@@ -133,7 +132,7 @@ impl Solver {
     /// Whether a search from a guess, which is in force, is worth its cost: contact has not far more energy than the
     /// rods, and the potential is below the present one, if the guess was made to lower it.
     pub(super) fn is_promising(&mut self, guess: &Guess) -> Result<bool, SolveError> {
-        if self.engine.contact.is_none() {
+        if self.engine.contact.is_empty() {
             return Ok(true);
         }
         let potential = self.engine.potential_at(&guess.state)?;

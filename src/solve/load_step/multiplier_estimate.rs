@@ -47,7 +47,7 @@ impl Solver {
         scale: f64,
     ) -> Result<MultiplierEstimate, SolveError> {
         let before = self.snapshot();
-        let Some(side) = &mut self.engine.contact else { return Ok(MultiplierEstimate::default()) };
+        let side = &mut self.engine.contact;
         let distance = 2.0 * side.min_radius;
         // so little pressure that strands nearby stay apart
         let probe = law.overlap(PROBE * scale, distance);
@@ -100,7 +100,7 @@ impl Solver {
         distance: f64,
     ) -> Result<Option<(Vec<[[f64; 3]; 3]>, Vec<f64>)>, SolveError> {
         let state = self.engine.state().clone();
-        let Some(side) = &mut self.engine.contact else { return Ok(None) };
+        let side = &mut self.engine.contact;
         // the law's pressure opens no gap by more than this part of the contact distance
         side.law = Law::Linear { stiffness: scale / (PROBE * distance) };
         let reach = ContactField::of_nodes(reach, side.surfaces.len());
@@ -125,7 +125,7 @@ impl Solver {
     /// Work of a gradient, and of contact, as strands move apart by a unit length around each node, the frames turning
     /// with the tangents so that nothing is sheared \[F\]: summed over one contact distance to either side.
     fn works_apart(&self, probed: &Residual, push: &[f64]) -> Vec<[f64; 2]> {
-        let Some(side) = &self.engine.contact else { return Vec::new() };
+        let side = &self.engine.contact;
         let part = |of: &[f64], i: usize| Vec3::new(of[i], of[i + 1], of[i + 2]);
         let apart = |node: usize| {
             let pull = part(&probed.contact_gradient, 6 * node);
@@ -222,7 +222,7 @@ mod tests {
         assert!(pressures[..3].iter().all(|p| *p == 0.0), "{:?}", &pressures[..3]);
         // touching strands under offsets of these pressures are under these pressures
         solver.change_law(law, &pressures);
-        let side = solver.engine.contact.as_ref().unwrap();
+        let side = &solver.engine.contact;
         for (offset, pressure) in side.offsets.values.iter().zip(&pressures) {
             assert!((law.response(*offset, 1.0).pressure - pressure).abs() <= 1e-12 * exact);
         }

@@ -51,14 +51,14 @@ impl Solver {
 
     /// Replaces the law, with offsets that give touching strands these pressures (per node; none if empty).
     pub(in crate::solve) fn change_law(&mut self, law: Law, pressures: &[f64]) {
+        let [num_nodes, num_surfaces] = self.engine.contact.size();
         let mut of_nodes = pressures.to_vec();
-        of_nodes.resize(self.engine.num_nodes(), 0.0);
-        let num_surfaces = self.engine.model.obstacles.len();
+        of_nodes.resize(num_nodes, 0.0);
         self.change_law_to(law, &ContactField::of_nodes(&of_nodes, num_surfaces));
     }
 
     fn change_law_to(&mut self, law: Law, pressures: &ContactField) {
-        let Some(side) = &mut self.engine.contact else { return };
+        let side = &mut self.engine.contact;
         let distance = 2.0 * side.min_radius;
         side.change_law(law, pressures.map(|_, pressure| law.overlap(pressure, distance)));
     }
@@ -71,9 +71,7 @@ impl Solver {
 
     /// Makes the first step after a change of law or offsets start from the present pressures.
     pub(in crate::solve) fn forget_pressures(&mut self) {
-        if let Some(side) = &mut self.engine.contact {
-            side.before = None;
-        }
+        self.engine.contact.before = None;
     }
 
     /// Sets offsets for which the pressures at the present gaps are the means of the present ones over an element.
@@ -83,7 +81,7 @@ impl Solver {
     pub(in crate::solve) fn smooth_pressures(&mut self) {
         let gaps = self.node_gaps();
         let (nodes, order) = (gaps.len(), self.engine.model.rods[0].order);
-        let Some(side) = &mut self.engine.contact else { return };
+        let side = &mut self.engine.contact;
         let distance = 2.0 * side.min_radius;
         let present = side.offsets.per_node(f64::max);
         let pressure = |i: usize| side.law.response(present[i] - gaps[i], distance).pressure;
@@ -104,7 +102,7 @@ impl Solver {
 
     /// Gap at each node \[L\]; infinite where nothing touches.
     fn node_gaps(&self) -> Vec<f64> {
-        let Some(side) = &self.engine.contact else { return Vec::new() };
+        let side = &self.engine.contact;
         let mut gaps = vec![f64::INFINITY; side.offsets.num_nodes()];
         for term in &self.engine.residual(self.engine.state()).contact_pairs {
             let [slave, master] = [term.slave, term.master].map(|k| &side.set.segments[k]);
@@ -123,7 +121,7 @@ impl Solver {
     /// Pressure of each contact near each node \[F/L\], at the smallest gap around it.
     fn pressures(&self) -> ContactField {
         let gaps = self.contact_errors().gaps;
-        let Some(side) = &self.engine.contact else { return ContactField::default() };
+        let side = &self.engine.contact;
         let offsets = side.offsets.at_places_of(&side.set, &gaps);
         gaps.map(|k, gap| {
             let pressure = side.law.response(offsets.values[k] - gap, 2.0 * side.min_radius).pressure;
@@ -133,7 +131,7 @@ impl Solver {
 
     /// Violation of the contact conditions.
     pub(in crate::solve) fn contact_errors(&self) -> ContactErrors {
-        if self.engine.contact.is_none() {
+        if self.engine.contact.is_empty() {
             return ContactErrors::default();
         }
         self.contact_errors_of(&self.engine.residual(self.engine.state()))
@@ -141,7 +139,7 @@ impl Solver {
 
     /// [`Solver::contact_errors`] from the residual of the present state, with zones.
     pub(in crate::solve) fn contact_errors_of(&self, residual: &Residual) -> ContactErrors {
-        let Some(side) = &self.engine.contact else { return ContactErrors::default() };
+        let side = &self.engine.contact;
         let window = |slave, master| self.window(side, slave, master);
         let gaps = smallest_gaps(side, residual, self.engine.state().positions(), window);
         let penetration = gaps.values.iter().map(|g| -g).fold(0.0, f64::max) / side.min_radius;
@@ -173,7 +171,7 @@ impl Solver {
     /// Next task until penetrations are within the tolerance of the secant steps, and no gap is open under force that
     /// can be released.
     pub(in crate::solve) fn outstanding(&self, secant_steps: &mut SecantSteps) -> Outstanding {
-        if self.engine.contact.is_none() {
+        if self.engine.contact.is_empty() {
             return Outstanding { penetration: 0.0, complementarity: Some(0.0), gaps: None };
         }
         let residual = self.engine.residual(self.engine.state());
@@ -186,7 +184,8 @@ impl Solver {
         if secant_steps.rounds < FREE_ROUNDS || met {
             let Complementarity { work, releasable, gaps: own } = self.complementarity(&residual);
             outstanding.complementarity = met.then_some(work);
-            if let Some(side) = self.engine.contact.as_ref().filter(|_| releasable > NOTHING) {
+            if releasable > NOTHING {
+                let side = &self.engine.contact;
                 let own = secant_steps.not_in_vain(&side.set, &own).at_places_of(&side.set, &gaps).values;
                 releases = own.iter().any(|gap| *gap > 0.0);
                 gaps = gaps.map(|k, gap| if own[k] > 0.0 { own[k] } else { gap });
@@ -199,7 +198,7 @@ impl Solver {
 
     /// Raises and lowers the offsets by secant steps that close the smallest gap near each node, never below zero.
     pub(in crate::solve) fn augment(&mut self, gaps: &ContactField, secant_steps: &mut SecantSteps) {
-        let Some(side) = &mut self.engine.contact else { return };
+        let side = &mut self.engine.contact;
         let open = OPEN * side.min_radius;
         let before = side.offsets.at_places_of(&side.set, gaps);
         secant_steps.adapt(&side.set, gaps, [secant_steps.tol * side.min_radius, open]);

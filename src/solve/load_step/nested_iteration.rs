@@ -149,7 +149,7 @@ impl Solver {
     /// Whether the centrelines of rods that take part in contact are the same in a state of this mesh and on one of
     /// `factor` times fewer elements.
     fn is_same(&self, state: &State, coarse: &Engine, factor: usize) -> bool {
-        let Some(side) = &self.engine.contact else { return true };
+        let side = &self.engine.contact;
         let [own, of_coarse] = [self.engine.tangents_of(state), coarse.tangents_of(coarse.state())];
         let deviation = |rod: usize, segment: usize| {
             let joined = |engine: &Engine, k: usize| {
@@ -221,13 +221,13 @@ pub(super) mod tests {
     fn softened_laws_are_told() {
         let mut solver = ring(vec![]);
         let asked = solver.engine.contact_stiffness();
-        let in_force = |solver: &Solver| solver.engine.contact.as_ref().map(|side| side.law);
+        let in_force = |solver: &Solver| solver.engine.contact.law;
         assert_eq!(solver.solve_step(&turns(-3.0)).stiffness_reduction, 1.0);
-        assert_eq!(in_force(&solver), Some(Law::Linear { stiffness: asked }));
+        assert_eq!(in_force(&solver), Law::Linear { stiffness: asked });
         solver.harden_contact(0.1);
         let report = solver.resettle();
         assert_eq!((report.status, report.start), (Status::Converged, Some(Origin::Present)));
-        assert_eq!(in_force(&solver), Some(Law::Linear { stiffness: 0.1 * asked }));
+        assert_eq!(in_force(&solver), Law::Linear { stiffness: 0.1 * asked });
         assert!((report.stiffness_reduction - 10.0).abs() < 1e-12, "{}", report.stiffness_reduction);
     }
 

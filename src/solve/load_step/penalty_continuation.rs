@@ -36,7 +36,7 @@ struct ContactRun {
 impl Solver {
     /// After a penalty was raised: linearises the new law about the overlaps for which contact keeps its forces.
     pub(in crate::solve) fn linearise_about_harder_law(&mut self) -> Result<(), SolveError> {
-        let Some(side) = &self.engine.contact else { return Ok(()) };
+        let side = &self.engine.contact;
         let (Law::Linear { stiffness }, Some((Law::Linear { stiffness: before }, offsets))) = (side.law, &side.before)
         else {
             return Ok(());
@@ -56,7 +56,7 @@ impl Solver {
         let mut last: Vec<[f64; 2]> = runs.iter().map(|run| [run.depth, run.force]).collect();
         // the second evaluation measures the exponent of F in δ, the third confirms it
         for _ in 0..ROUNDS {
-            self.set_offsets(lowered(self.engine.contact.as_ref(), &own, &runs, &left));
+            self.set_offsets(lowered(&self.engine.contact, &own, &runs, &left));
             let there = self.overlaps();
             self.set_offsets(own.clone());
             for (k, run) in runs.iter().enumerate() {
@@ -68,22 +68,18 @@ impl Solver {
                 left[k] = if wanted.is_finite() { wanted.clamp(0.0, run.depth) } else { run.depth };
             }
         }
-        let lowered = lowered(self.engine.contact.as_ref(), &own, &runs, &left);
-        if let Some(side) = &mut self.engine.contact {
-            side.before = Some((law, lowered));
-        }
+        let lowered = lowered(&self.engine.contact, &own, &runs, &left);
+        self.engine.contact.before = Some((law, lowered));
         Ok(())
     }
 
     fn set_offsets(&mut self, offsets: ContactField) {
-        if let Some(side) = &mut self.engine.contact {
-            side.offsets = offsets;
-        }
+        self.engine.contact.offsets = offsets;
     }
 
     /// Contact of each segment as a slave and with obstacles, in the engine's state.
     fn overlaps(&self) -> Vec<Felt> {
-        let Some(side) = &self.engine.contact else { return Vec::new() };
+        let side = &self.engine.contact;
         let mut felt = vec![Felt::default(); side.set.len()];
         let residual = self.engine.residual(self.engine.state());
         for term in residual.contact_pairs {
@@ -114,7 +110,7 @@ impl Solver {
 
     /// Runs of segments that touch.
     fn runs(&self, felt: &[Felt]) -> Vec<ContactRun> {
-        let Some(side) = &self.engine.contact else { return Vec::new() };
+        let side = &self.engine.contact;
         let touches = |segment: usize| felt[segment].depth > 0.0;
         let begins = |segment: &usize| touches(*segment) && !side.set.prev(*segment).is_some_and(touches);
         let run = |first: usize| {
@@ -145,9 +141,8 @@ struct Felt {
 }
 
 /// Offsets lowered by as much as the strands of each run move apart.
-fn lowered(side: Option<&ContactSide>, own: &ContactField, runs: &[ContactRun], left: &[f64]) -> ContactField {
+fn lowered(side: &ContactSide, own: &ContactField, runs: &[ContactRun], left: &[f64]) -> ContactField {
     let mut offsets = own.clone();
-    let Some(side) = side else { return offsets };
     for (run, left) in runs.iter().zip(left) {
         for node in run.segments.iter().flat_map(|&segment| side.nodes[segment]) {
             for k in own.of_node(node) {

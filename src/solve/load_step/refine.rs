@@ -86,7 +86,8 @@ impl Solver {
             (ends, (k % factor) as f64 / factor as f64)
         };
         let between: Vec<([usize; 2], f64)> = (0..fine.engine.num_nodes()).map(between).collect();
-        if let (Some(from), Some(to)) = (&coarse.contact, &mut fine.engine.contact) {
+        let (from, to) = (&coarse.contact, &mut fine.engine.contact);
+        if !from.is_empty() {
             to.law = from.law;
             to.offsets = from.offsets.interleaved(&from.set, &between);
         }
@@ -101,7 +102,7 @@ impl Solver {
     /// Multiplies the contact stiffness in force by `factor`; pressures are kept, and the next search lets the strands
     /// find the gaps that go with them. Without contact nothing happens.
     pub fn harden_contact(&mut self, factor: f64) {
-        let Some(side) = &mut self.engine.contact else { return };
+        let side = &mut self.engine.contact;
         if let Law::Linear { stiffness } = side.law {
             side.change_law(Law::Linear { stiffness: stiffness * factor }, side.no_offsets());
         }

@@ -13,7 +13,6 @@ use crate::solve::load_step::guess::{Ahead, ContactOfGuess, Guess, Task};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Attempt, Failed, Origin, Status, StepReport};
 use crate::solve::problem::contact_field::ContactField;
-use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
@@ -23,7 +22,7 @@ use crate::solve::search::newton::SearchOptions;
 #[derive(Debug, Clone)]
 pub(crate) struct Snapshot {
     state: State,
-    contact: Option<(Law, ContactField, MaterialTangents)>,
+    contact: (Law, ContactField, MaterialTangents),
 }
 
 impl Solver {
@@ -149,20 +148,20 @@ impl Solver {
     }
 
     pub(in crate::solve) fn augments(&self) -> bool {
-        matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. }) && self.engine.contact.is_some()
+        matches!(self.engine.model.contact.law, ContactLaw::AugmentedLagrangian { .. })
+            && !self.engine.contact.is_empty()
     }
 
     pub(in crate::solve) fn is_near_contact(&mut self) -> Result<bool, SolveError> {
         let state = self.engine.state().clone();
         self.engine.update_contact(&state)?;
-        Ok(self.engine.contact.as_ref().is_some_and(ContactSide::is_near))
+        Ok(self.engine.contact.is_near())
     }
 
     pub(crate) fn snapshot(&self) -> Snapshot {
-        Snapshot {
-            state: self.engine.state().clone(),
-            contact: self.engine.contact.as_ref().map(|side| (side.law, side.offsets.clone(), side.tangents.clone())),
-        }
+        let side = &self.engine.contact;
+        let contact = (side.law, side.offsets.clone(), side.tangents.clone());
+        Snapshot { state: self.engine.state().clone(), contact }
     }
 
     /// Restores a snapshot, contact geometry included.
@@ -170,10 +169,9 @@ impl Solver {
         self.engine.take_state(snapshot.state);
         // with the numbers of rods that it was made under
         self.engine.take_numbers().map_err(|error| SolveError::Symbolic { reason: error.to_string() })?;
-        if let (Some(side), Some((law, offsets, tangents))) = (&mut self.engine.contact, snapshot.contact) {
-            (side.law, side.offsets, side.tangents) = (law, offsets, tangents);
-            side.before = None;
-        }
+        let side = &mut self.engine.contact;
+        (side.law, side.offsets, side.tangents) = snapshot.contact;
+        side.before = None;
         let state = self.engine.state().clone();
         self.engine.update_contact(&state).map(|_| ())
     }

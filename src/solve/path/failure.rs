@@ -143,7 +143,10 @@ impl Failure {
 
 /// The deepest overlap of the state, if it exceeds the tolerance of the contact law.
 fn deepest_overlap(engine: &Engine) -> Option<Overlap> {
-    let side = engine.contact.as_ref().filter(|side| side.is_current)?;
+    let side = &engine.contact;
+    if !side.is_current {
+        return None;
+    }
     let tol = OVERLAPS * side.min_radius;
     let found = engine.install(|| smallest_clearance(&side.set, &side.exclusion, 0.0, tol))?;
     let depth = -found.upper / side.min_radius;

@@ -52,7 +52,7 @@ pub struct Restart {
     /// The accepted state.
     pub state: State,
     /// Contact law in force.
-    contact: Option<ContactRestart>,
+    contact: ContactRestart,
     /// Motions of supports so far.
     moved: Moved,
     /// Rod, node, position \[L\] and frame of nodes that stages have come to hold, see [`Given::held`].
@@ -69,8 +69,8 @@ struct ContactRestart {
 }
 
 impl ContactRestart {
-    fn of(engine: &Engine) -> Option<Self> {
-        engine.contact.as_ref().map(|side| Self { law: side.law, offsets: side.offsets.clone() })
+    fn of(engine: &Engine) -> Self {
+        Self { law: engine.contact.law, offsets: engine.contact.offsets.clone() }
     }
 }
 
@@ -80,7 +80,7 @@ impl ContactRestart {
 pub struct Equilibrium {
     model: Model,
     state: State,
-    contact: Option<ContactRestart>,
+    contact: ContactRestart,
 }
 
 impl Equilibrium {
@@ -124,19 +124,13 @@ impl Solver {
     }
 
     /// Puts a contact law and its offsets in force.
-    fn take_contact(&mut self, contact: Option<ContactRestart>) -> Result<(), InputError> {
-        match (&mut self.engine.contact, contact) {
-            (None, None) => Ok(()),
-            (Some(side), Some(saved)) if saved.offsets.fits(side.size(), &side.set) => {
-                side.law = saved.law;
-                side.before = None;
-                side.offsets = saved.offsets;
-                Ok(())
-            }
-            _ => {
-                Err(InputError::inconsistent("restart", "has contact where the model has none, or the other way round"))
-            }
+    fn take_contact(&mut self, saved: ContactRestart) -> Result<(), InputError> {
+        let side = &mut self.engine.contact;
+        if !saved.offsets.fits(side.size(), &side.set) {
+            return Err(InputError::inconsistent("restart", "has contact of other rods or obstacles than the model"));
         }
+        (side.law, side.offsets, side.before) = (saved.law, saved.offsets, None);
+        Ok(())
     }
 
     /// Takes over a run.

@@ -206,13 +206,12 @@ impl Engine {
             let nodes = self.nodes_of(element);
             (0..nodes.len()).flat_map(move |a| (a..nodes.len()).map(move |c| (nodes[a], nodes[c])))
         });
-        let contacts = self.contact.iter().flat_map(|side| {
-            side.coupled().flat_map(|&[i, j]| {
-                let (p, q) = (side.nodes[i as usize], side.nodes[j as usize]);
-                [(p[0], q[0]), (p[0], q[1]), (p[1], q[0]), (p[1], q[1])]
-            })
+        let side = &self.contact;
+        let contacts = side.coupled().flat_map(|&[i, j]| {
+            let (p, q) = (side.nodes[i as usize], side.nodes[j as usize]);
+            [(p[0], q[0]), (p[0], q[1]), (p[1], q[0]), (p[1], q[1])]
         });
-        let bodies = self.contact.iter().flat_map(|side| side.coupled_by_bodies());
+        let bodies = self.contact.coupled_by_bodies();
         let pairs =
             |nodes: &'_ Vec<usize>| nodes.iter().flat_map(|&a| nodes.iter().map(move |&c| (a, c))).collect::<Vec<_>>();
         NodeGraph::new(
@@ -242,6 +241,7 @@ impl Engine {
         Residual {
             gradient: vec![0.0; n],
             magnitude: vec![0.0; n],
+            contact_gradient: vec![0.0; n],
             seam_moments: vec![0.0; self.model.rods.len()],
             bases: self.bases(state),
             ..Residual::default()

@@ -37,7 +37,7 @@ impl Engine {
 
     /// The tightest bend of the rods that may touch others or themselves; `None` without contact.
     pub(crate) fn tightest_bend(&self) -> Option<Bend> {
-        let side = self.contact.as_ref()?;
+        let side = &self.contact;
         side.rods.iter().map(|&rod| self.tightest_bend_of(rod)).reduce(Bend::tighter)
     }
 

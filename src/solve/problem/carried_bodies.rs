@@ -24,7 +24,7 @@ impl Engine {
 
     /// Rods of a segment and of the node that carries the body which it touches; none where no node does.
     pub(in crate::solve) fn rods_at_body(&self, contact: &SurfaceContact) -> Option<[usize; 2]> {
-        let side = self.contact.as_ref()?;
+        let side = &self.contact;
         let carrier = side.carriers[contact.surface].as_ref()?;
         Some([side.nodes[contact.segment][0], carrier.node].map(|node| self.rod_of(node)))
     }

@@ -23,7 +23,8 @@ impl Engine {
     pub(crate) fn set_contact_law(&mut self, law: ContactLaw) -> Result<(), InputError> {
         let asked = law;
         let law = law.on_mesh(&self.model.rods);
-        let (Some(stiffness), Some(side)) = (law.stiffness(), &mut self.contact) else {
+        let side = &mut self.contact;
+        let Some(stiffness) = law.stiffness().filter(|_| !side.is_empty()) else {
             let reason = "contact cannot be switched on or off in a running engine".to_owned();
             return Err(InputError::Inconsistent { field: "contact.law".to_owned(), reason });
         };
@@ -154,7 +155,9 @@ impl Engine {
             false => Ok(None),
         };
         let before = fresh.map(|fresh| {
-            fresh.map(|(side, law)| (self.contact.replace(side), std::mem::replace(&mut self.model.contact.law, law)))
+            fresh.map(|(side, law)| {
+                (std::mem::replace(&mut self.contact, side), std::mem::replace(&mut self.model.contact.law, law))
+            })
         });
         let result = self.update_contact(state).map(|_| work(self));
         self.set_numbers_of_elements(&numbers);
@@ -174,19 +177,19 @@ impl Engine {
     /// Contact curves and law of the present numbers, where the law had another stiffness \[F/L²\]; pressures stay.
     fn contact_of_numbers(&mut self, before: f64) -> Result<(), InputError> {
         if let Some((fresh, law)) = self.side_of_numbers(before)? {
-            (self.contact, self.model.contact.law) = (Some(fresh), law);
+            (self.contact, self.model.contact.law) = (fresh, law);
         }
         Ok(())
     }
 
     fn side_of_numbers(&self, before: f64) -> Result<Option<(ContactSide, ContactLaw)>, InputError> {
-        let Some(side) = &self.contact else { return Ok(None) };
+        let side = &self.contact;
         let (law, offsets) = (side.law, side.offsets.clone());
         let asked = self.law_asked.on_mesh(&self.model.rods);
-        let Some(stiffness) = asked.stiffness() else { return Ok(None) };
+        let Some(stiffness) = asked.stiffness().filter(|_| !side.is_empty()) else { return Ok(None) };
         let law_asked = (stiffness, self.scales.bending);
-        let fresh = ContactSide::new(&self.model, &self.first_node, (&self.state, side.tangents.clone()), law_asked)?;
-        let Some(mut fresh) = fresh else { return Ok(None) };
+        let mut fresh =
+            ContactSide::new(&self.model, &self.first_node, (&self.state, side.tangents.clone()), law_asked)?;
         fresh.replaces(side);
         let ratio = contact_side::stiffness(stiffness, self.scales.bending, fresh.min_radius) / before;
         fresh.offsets = offsets.map(|_, offset| offset / ratio);
@@ -199,12 +202,11 @@ impl Engine {
     /// Finds contact candidates anew, whatever lists are at hand: a list that still holds may be longer than a fresh
     /// one. Of a law under which no step was taken, as where strands were apart, none is remembered.
     pub(in crate::solve) fn forget_path(&mut self) -> Result<(), SolveError> {
-        if let Some(side) = &mut self.contact {
-            side.before = None;
-            side.exclusion.forget();
-            side.broad_phase = BroadPhase::new();
-            side.repulsion.iter_mut().for_each(Repulsion::forget);
-        }
+        let side = &mut self.contact;
+        side.before = None;
+        side.exclusion.forget();
+        side.broad_phase = BroadPhase::new();
+        side.repulsion.iter_mut().for_each(Repulsion::forget);
         let state = self.state.clone();
         self.update_contact(&state).map(|_| ())
     }
@@ -233,7 +235,7 @@ mod tests {
             engine.state.numbers.insert((0, RodNumber::ContactRadius), radius);
             engine.take_numbers().unwrap();
             engine.update_contact(&engine.state.clone()).unwrap();
-            let side = engine.contact.as_ref().unwrap();
+            let side = &engine.contact;
             (side.broad_phase.pairs().len(), side.generation())
         };
         let ((none, thin), (some, thick)) = (pairs_and_generation(0.01), pairs_and_generation(0.1));

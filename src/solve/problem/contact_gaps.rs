@@ -68,7 +68,8 @@ pub(crate) fn smallest_gaps(
 ) -> ContactField {
     let seen = seen(side, residual, |slave, master| window(slave, Some(master)));
     let entries = entries(side, &seen, positions);
-    let mut gaps = ContactField::uniform_with(positions.len(), side.surfaces.len(), entries, f64::INFINITY);
+    let [num_nodes, num_surfaces] = side.size();
+    let mut gaps = ContactField::uniform_with(num_nodes, num_surfaces, entries, f64::INFINITY);
     for seen in &seen {
         let gap = seen.zone.min_gap;
         seen.by_nodes(side, |node| {

@@ -17,7 +17,7 @@ use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::near_surfaces::NearSurfaces;
 use crate::solve::problem::state::State;
 
-/// Contact side of the engine; absent when the law is none.
+/// Contact side of the engine; without curves if no rod takes part.
 #[derive(Debug)]
 pub(crate) struct ContactSide {
     /// Contact curves of all rods with a contact radius.
@@ -75,8 +75,37 @@ fn at_joints(model: &Model, touching: &[usize]) -> Vec<[u32; 2]> {
 }
 
 impl ContactSide {
+    /// No contact: no curves, so no places for offsets.
+    pub(crate) fn none() -> Self {
+        Self {
+            set: CurveSet::default(),
+            nodes: Vec::new(),
+            rods: Vec::new(),
+            tangents: MaterialTangents::directors(0),
+            exclusion: Exclusion::new(),
+            broad_phase: BroadPhase::new(),
+            offsets: ContactField::default(),
+            obstacles: Vec::new(),
+            surfaces: Vec::new(),
+            carriers: Vec::new(),
+            near_surfaces: NearSurfaces::default(),
+            repulsion: None,
+            generations_before: 0,
+            law: Law::Linear { stiffness: 0.0 },
+            before: None,
+            min_radius: f64::INFINITY,
+            is_current: true,
+        }
+    }
+
+    /// Whether no rod takes part in contact.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.set.is_empty()
+    }
+
     /// Curves of the rods that have a contact radius, under a penalty of the given dimensionless stiffness κ ε⁴/B, ε
-    /// the smallest radius, B `bending`, with the model's obstacles and charges; `None` if no rod has one.
+    /// the smallest radius, B `bending`, with the model's obstacles and charges; [`ContactSide::none`] if no rod has
+    /// one.
     ///
     /// # Errors
     /// Curves that [`CurveSet::new`] refuses.
@@ -85,11 +114,11 @@ impl ContactSide {
         first_node: &[usize],
         (state, tangents): (&State, MaterialTangents),
         (dimensionless, bending): (f64, f64),
-    ) -> Result<Option<Self>, InputError> {
+    ) -> Result<Self, InputError> {
         let touching: Vec<usize> =
             (0..model.rods.len()).filter(|&rod| model.rods[rod].section.contact_radius > 0.0).collect();
         if touching.is_empty() {
-            return Ok(None);
+            return Ok(Self::none());
         }
         let (set, nodes) = curves(model, first_node, (state, &tangents), &touching)?;
         let min_radius = (0..set.len()).map(|segment| set.radius_of(segment)).fold(f64::INFINITY, f64::min);
@@ -122,7 +151,7 @@ impl ContactSide {
             is_current: false,
         };
         side.place_surfaces(state);
-        Ok(Some(side))
+        Ok(side)
     }
 
     /// Moves the surfaces of obstacles to where they are in a state.
@@ -158,6 +187,11 @@ impl ContactSide {
     pub(crate) fn largest_offset(&self) -> f64 {
         let earlier = self.before.iter().flat_map(|(_, offsets)| &offsets.values);
         self.offsets.values.iter().chain(earlier).copied().fold(0.0, f64::max)
+    }
+
+    /// Largest offset of the law in force \[L\]; 0 if none is positive.
+    pub(crate) fn largest_offset_in_force(&self) -> f64 {
+        self.offsets.values.iter().copied().fold(0.0, f64::max)
     }
 
     /// Offsets of none at all.
@@ -220,8 +254,12 @@ impl ContactSide {
         self.nodes[segment].map(|node| numbers.values[numbers.index_of_surface(node, surface)])
     }
 
-    /// Replaces law and offsets; the pressures of the present state are carried over to the first linearisation.
+    /// Replaces law and offsets; the pressures of the present state are carried over to the first linearisation. Where
+    /// nothing takes part in contact no law is in force.
     pub(crate) fn change_law(&mut self, law: Law, offsets: ContactField) {
+        if self.is_empty() {
+            return;
+        }
         let old = (std::mem::replace(&mut self.law, law), std::mem::replace(&mut self.offsets, offsets));
         // under a law that no step was taken under there are no pressures
         self.before.get_or_insert(old);

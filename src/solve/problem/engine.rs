@@ -59,7 +59,7 @@ pub struct Engine {
     /// is the owner's.
     pub(crate) sharing: Sharing,
     pub(in crate::solve::problem) state: State,
-    pub(crate) contact: Option<ContactSide>,
+    pub(crate) contact: ContactSide,
     /// The contact law as it was requested: by the mesh, its stiffness follows the numbers of the rods.
     pub(crate) law_asked: ContactLaw,
     pub(crate) scales: Scales,
@@ -177,7 +177,7 @@ impl Engine {
             metric: metric(&model, &scales, &sharing),
             reference: Vec::new(),
             planes: planes(&model),
-            contact: None,
+            contact: ContactSide::none(),
             law_asked,
             model,
             first_node,
@@ -219,15 +219,15 @@ impl Engine {
 
     /// Stiffness of the contact law requested \[F/L²\]; 0 without contact.
     pub(crate) fn contact_stiffness(&self) -> f64 {
-        let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
+        let radius = self.contact.min_radius;
         contact_side::stiffness(self.model.contact.law.stiffness().unwrap_or(0.0), self.scales.bending, radius)
     }
 
     /// How many times softer than requested the contact law in force is; 1 without contact, and under a core law,
     /// which is only on the way.
     pub(crate) fn stiffness_reduction(&self) -> f64 {
-        match self.contact.as_ref().map(|side| side.law) {
-            Some(Law::Linear { stiffness }) => (self.contact_stiffness() / stiffness).max(1.0),
+        match self.contact.law {
+            Law::Linear { stiffness } if stiffness > 0.0 => (self.contact_stiffness() / stiffness).max(1.0),
             _ => 1.0,
         }
     }
@@ -297,7 +297,7 @@ impl Engine {
 
     /// Half of B/ε³ \[F/L\], the pressure of strands wound tightly around each other.
     pub(crate) fn pressure_scale(&self) -> f64 {
-        let radius = self.contact.as_ref().map_or(f64::INFINITY, |side| side.min_radius);
+        let radius = self.contact.min_radius;
         0.5 * self.scales.bending / radius.powi(3)
     }
 

@@ -28,10 +28,10 @@ impl Engine {
 
     /// Rods that touch, pair by pair.
     fn touched(&self, residual: &Residual) -> impl Iterator<Item = [usize; 2]> {
-        let side = self.contact.as_ref();
-        let pairs = residual.contact_pairs.iter().filter_map(|pair| {
-            let [a, _, b, _] = side?.nodes_of(pair).map(|node| self.rod_of(node));
-            Some([a, b])
+        let side = &self.contact;
+        let pairs = residual.contact_pairs.iter().map(|pair| {
+            let [a, _, b, _] = side.nodes_of(pair).map(|node| self.rod_of(node));
+            [a, b]
         });
         let at_bodies = residual.surface_contacts.iter().filter_map(|contact| self.rods_at_body(contact));
         pairs.chain(at_bodies).collect::<BTreeSet<_>>().into_iter()
@@ -53,10 +53,9 @@ impl Engine {
             }
         }
         let of_others = |index: &usize| self.model.obstacles[*index].carrier.is_some_and(|at| !body.contains(&at.rod));
-        if let Some(side) = &self.contact {
-            let bodies = (0..side.obstacles.len()).filter(of_others).map(|index| side.surface_in(state, index));
-            foremost = bodies.map(|surface| reach_along(&surface, way)).fold(foremost, f64::max);
-        }
+        let side = &self.contact;
+        let bodies = (0..side.obstacles.len()).filter(of_others).map(|index| side.surface_in(state, index));
+        foremost = bodies.map(|surface| reach_along(&surface, way)).fold(foremost, f64::max);
         hindmost > foremost
     }
 }

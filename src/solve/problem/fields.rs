@@ -145,10 +145,8 @@ impl Engine {
                 sum.moment += resultant(1);
             }
         }
-        let contact_force = |node: usize| match contact_gradient.get(6 * (first + node)..6 * (first + node) + 3) {
-            Some(g) => -Vec3::new(g[0], g[1], g[2]) / sums[node].length,
-            None => Vec3::zeros(),
-        };
+        let contact_force =
+            |node: usize| -Vec3::from_row_slice(&contact_gradient[6 * (first + node)..][..3]) / sums[node].length;
         NodalFields {
             curvature: sums.iter().map(|s| s.curvature / s.elements).collect(),
             twist_rate: sums.iter().map(|s| s.twist / s.elements).collect(),

@@ -68,17 +68,20 @@ impl Engine {
     /// Gives the contact centrelines the tangents of the present state where it is sheared. Candidates are looked for
     /// anew where they are next needed.
     pub(in crate::solve) fn take_tangents(&mut self) {
-        let taken = self.contact.is_some().then(|| self.tangents_of(&self.state));
-        self.contact.iter_mut().zip(taken).for_each(|(side, taken)| side.tangents = taken);
+        if !self.contact.is_empty() {
+            self.contact.tangents = self.tangents_of(&self.state);
+        }
     }
 
     /// Gives the contact centrelines the tangents of the present state where theirs have become others; whether there
     /// are any.
     pub(in crate::solve) fn follow_tangents(&mut self) -> bool {
-        let Some(side) = &self.contact else { return false };
-        let followed = self.replaced(&side.tangents, &self.state);
-        let moved = followed != side.tangents;
-        self.contact.iter_mut().for_each(|side| side.tangents.clone_from(&followed));
+        if self.contact.is_empty() {
+            return false;
+        }
+        let followed = self.replaced(&self.contact.tangents, &self.state);
+        let moved = followed != self.contact.tangents;
+        self.contact.tangents = followed;
         moved
     }
 }
@@ -121,7 +124,7 @@ mod tests {
             let mut engine = tilted_rings(1, (angle, seam), 0.1);
             let state = engine.state.clone();
             engine.update_contact(&state).unwrap();
-            let side = engine.contact.as_ref().unwrap();
+            let side = &engine.contact;
             assert_eq!(side.tangents.are_sheared(), angle != 0.0);
             let points = side.set.segments.iter().flat_map(|s| (0..8).map(|k| s.point(f64::from(k) / 8.0)));
             let farthest = points.map(|r| (r.norm() - 1.0).abs()).fold(0.0, f64::max);

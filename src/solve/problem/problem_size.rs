@@ -31,7 +31,7 @@ const BYTES_A_PAIR: [f64; 2] = [36.0 * 20.0, 9.0 * 20.0];
 impl Engine {
     /// Refuses candidates of contact whose part of the matrices needs more memory than there is.
     pub(crate) fn check_memory(&self) -> Result<(), SolveError> {
-        let pairs = self.contact.as_ref().map_or(0, |side| side.broad_phase.pairs().len());
+        let pairs = self.contact.broad_phase.pairs().len();
         let needed = pairs as f64 * BYTES_A_PAIR[usize::from(self.model.planar)];
         let short = available().filter(|available| needed > *available);
         short.map_or(Ok(()), |available| {
@@ -48,14 +48,13 @@ impl Engine {
         let state = self.state.clone();
         self.update_contact(&state)?;
         let (pattern, factor) = Factor::of(self.node_graph())?;
-        let side = self.contact.as_ref();
         Ok(ProblemSize {
             nodes: self.num_nodes(),
             unknowns: pattern.num_equations(),
             tangent_entries: pattern.num_entries(),
             factor_entries: factor.num_values(),
-            contact_segments: side.map_or(0, |side| side.nodes.len()),
-            candidates: side.map_or(0, |side| side.broad_phase.pairs().len()),
+            contact_segments: self.contact.nodes.len(),
+            candidates: self.contact.broad_phase.pairs().len(),
             natural_strains: self.reference.iter().map(|reference| reference.num_stored()).sum(),
         })
     }

@@ -194,7 +194,7 @@ fn left_by_surfaces(surfaces: &[Surface], (centre, length): (&Vec3, f64), planar
 
 /// Surfaces of the obstacles that some rods touch, those that nodes carry left out: they move with their rods.
 fn touched_by(engine: &Engine, contacts: &[SurfaceContact], rods: &[usize]) -> Vec<Surface> {
-    let Some(side) = engine.contact.as_ref().filter(|_| !contacts.is_empty()) else { return Vec::new() };
+    let side = &engine.contact;
     let is_touched = |surface: &usize| {
         let of_rods = |contact: &&SurfaceContact| rods.contains(&engine.rod_of(side.nodes[contact.segment][0]));
         contacts.iter().filter(|contact| contact.surface == *surface).any(|contact| of_rods(&contact))
@@ -447,7 +447,7 @@ impl Supports {
 impl ZeroEnergyModes {
     /// The neutral motions of a model whose strands touch as in a residual.
     pub(crate) fn at(engine: &Engine, state: &State, residual: &Residual) -> Self {
-        let is_sheared = engine.contact.as_ref().is_some_and(|side| side.tangents.are_sheared());
+        let is_sheared = engine.contact.tangents.are_sheared();
         if engine.model.rods.len() == 1 {
             return Self { is_sheared, ..Self::of(engine, state, &residual.surface_contacts) };
         }

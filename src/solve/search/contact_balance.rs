@@ -26,7 +26,7 @@ impl Workspace {
         (before, state): (&Residual, &State),
         (size, tol_increment): (f64, f64),
     ) -> Result<bool, SolveError> {
-        if engine.contact.is_none() {
+        if engine.contact.is_empty() {
             return Ok(true);
         }
         timed(&mut self.timings.detection, || engine.update_contact(state))?;

@@ -31,12 +31,12 @@ impl Workspace {
         let drive = &drive;
         engine.take_state(start.clone());
         self.refresh(engine, &start)?;
-        let near_contact = engine.contact.as_ref().is_some_and(|side| side.may_push());
+        let near_contact = engine.contact.may_push();
         let mut spent = Vec::new();
         let stable_only = options.newton.stable_only;
         let newton = NewtonOptions { stable_only: false, max_iterations: MAX_ITERATIONS, ..options.newton.clone() };
         let direct = SearchOptions { newton, ..options.clone() };
-        if stable_only && leaving.is_none() && engine.contact.is_some() && (options.near_rest || !near_contact) {
+        if stable_only && leaving.is_none() && !engine.contact.is_empty() && (options.near_rest || !near_contact) {
             let plain = if near_contact { Self::direct_in_contact } else { Self::direct_apart };
             if let Some(report) = plain(self, engine, drive, &direct, &mut spent)? {
                 return Ok(report);
@@ -44,7 +44,7 @@ impl Workspace {
             engine.take_state(start.clone());
             self.refresh(engine, &start)?;
         }
-        if !stable_only || !(engine.contact.is_some() || leaving.is_some()) {
+        if !stable_only || engine.contact.is_empty() && leaving.is_none() {
             let direct = if stable_only { &direct } else { options };
             match self.direct(engine, drive, direct, stable_only) {
                 Ok(report) if !stable_only || report.converged || report.interrupted => return Ok(report),
@@ -70,7 +70,7 @@ impl Workspace {
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
         let before = engine.state().clone();
-        let side = engine.contact.take();
+        let side = std::mem::replace(&mut engine.contact, ContactSide::none());
         let outcome = self.direct(engine, drive, options, true);
         engine.contact = side;
         // after a breakdown the other searches begin from the start
@@ -82,7 +82,7 @@ impl Workspace {
             && timed(&mut self.timings.detection, || engine.is_path_free(&before)).unwrap_or(false)
             && !engine.is_touching()
         {
-            if engine.contact.as_ref().is_some_and(ContactSide::is_near) {
+            if engine.contact.is_near() {
                 report.num_unstable = self.count_unstable(engine)?;
             }
             return Ok(Some(report));
@@ -100,7 +100,7 @@ impl Workspace {
         options: &SearchOptions,
         spent: &mut Vec<Iteration>,
     ) -> Result<Option<NewtonReport>, SolveError> {
-        let before = engine.contact.as_ref().and_then(|side| side.before.clone());
+        let before = engine.contact.before.clone();
         // after a breakdown the trust-region search begins from the start
         if let Ok(mut report) = self.direct(engine, drive, options, true) {
             if report.interrupted || report.converged && report.num_unstable == 0 {
@@ -108,9 +108,7 @@ impl Workspace {
             }
             spent.append(&mut report.iterations);
         }
-        if let Some(side) = &mut engine.contact {
-            side.before = before;
-        }
+        engine.contact.before = before;
         Ok(None)
     }
 }

@@ -154,10 +154,8 @@ impl Workspace {
             state = engine.retract(&state, &step, fraction);
             remaining *= 1.0 - fraction;
             engine.take_state(state.clone());
-            if let Some(side) = &mut engine.contact {
-                // pressures of the law before are used in the first step under a new one only
-                side.before = None;
-            }
+            // pressures of the law before are used in the first step under a new one only
+            engine.contact.before = None;
             if fraction == 1.0
                 && increment <= options.tol_increment
                 && self.balances_contact(engine, (&residual, &state), (increment, options.tol_increment))?

@@ -25,7 +25,7 @@ impl Engine {
         there: &Residual,
         forces: &mut [f64],
     ) {
-        let Some(side) = &self.contact else { return };
+        let side = &self.contact;
         let mut known = vec![false; side.nodes.len()];
         self.add_terms(
             &residual.contact_pairs,
@@ -51,7 +51,7 @@ impl Engine {
         forces: &mut [f64],
         e: impl Fn(f64, f64) -> f64,
     ) {
-        let Some(side) = &self.contact else { return };
+        let side = &self.contact;
         for contact in &residual.surface_contacts {
             let cubic = side.cubic(state, contact.segment);
             let linear = side.motion(state, increment, contact.segment).linear;
@@ -72,7 +72,7 @@ impl Engine {
 
     /// Adds the forces of obstacles on segments in contact `there`, where contact now is, that were not before.
     fn add_new_at_surfaces(&self, residual: &Residual, there: &Residual, forces: &mut [f64]) {
-        let Some(side) = &self.contact else { return };
+        let side = &self.contact;
         let offset = |segment, surface| side.offset_to_surface(segment, surface);
         let pressures = Pressures::of(side.law, &offset);
         let at = |contact: &SurfaceContact| (contact.segment, contact.surface);
@@ -99,7 +99,10 @@ impl Engine {
     /// Adds to `forces` (six per node) the gradient of the contact potential, of these candidate pairs as far as they
     /// are `wanted`, where contact now is.
     pub(crate) fn add_contact_of(&self, pairs: &[[u32; 2]], wanted: impl Fn(&ContactPair) -> bool, forces: &mut [f64]) {
-        let Some(side) = self.contact.as_ref().filter(|_| !pairs.is_empty()) else { return };
+        if pairs.is_empty() {
+            return;
+        }
+        let side = &self.contact;
         let geometry = potential::ContactGeometry::by_ends(&side.set);
         let offset = |slave, master| side.offset(slave, master);
         let pressures = Pressures::of(side.law, &offset);
@@ -115,7 +118,7 @@ impl Engine {
     /// terms of `residual` were evaluated with the tangent: their pressures are −k times the change of the gap.
     pub(crate) fn contact_stiffness_force(&self, state: &State, increment: &[f64], residual: &Residual) -> Vec<f64> {
         let mut forces = vec![0.0; increment.len()];
-        let Some(side) = &self.contact else { return forces };
+        let side = &self.contact;
         let gradient = |term: &ContactPair| {
             let (cubics, change) = side.motion_of(term, state, increment);
             (stiffness_of_gaps(term, [&cubics[0], &cubics[1]], &change), ())
@@ -133,7 +136,7 @@ impl Engine {
         gradient: impl Fn(&ContactPair) -> ([f64; 24], R) + Sync,
         mut told: impl FnMut(&ContactPair, R),
     ) {
-        let Some(side) = &self.contact else { return };
+        let side = &self.contact;
         for batch in terms.chunks(AT_ONCE) {
             let found = self.install(|| parallel::map(batch.len(), parallel::DEAR, &|k| gradient(&batch[k])));
             for (term, (gradient, rest)) in batch.iter().zip(found) {

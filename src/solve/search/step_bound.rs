@@ -16,8 +16,9 @@ use std::f64::consts::TAU;
 
 use self::tree::PassageTree;
 use crate::error::SolveError;
+use crate::math::Vec3;
 use crate::math::handles::Handles;
-use crate::math::{Vec3, parallel};
+use crate::math::parallel::{self, in_pool};
 use crate::solve::measures::MAX_ROUNDS;
 use crate::solve::problem::contact_side::ContactSide;
 use crate::solve::problem::engine::Engine;
@@ -60,10 +61,7 @@ impl Engine {
 
     fn fraction_keeping(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
         let t = rotation_fraction(self, state, increment, keep);
-        match &self.contact {
-            Some(side) => Ok(t.min(self.install(|| side.passage_fraction(state, increment, keep))?)),
-            None => Ok(t),
-        }
+        Ok(t.min(self.install(|| self.contact.passage_fraction(state, increment, keep))?))
     }
 
     /// Largest t ≤ 1 up to which strands keep apart along an increment, by conservative advancement: the rest of the
@@ -79,7 +77,7 @@ impl Engine {
         for _ in 0..MAX_ROUNDS {
             let here = self.retract(state, increment, t);
             self.place_curves(&here)?;
-            let Some(side) = &self.contact else { return Ok(longest) };
+            let side = &self.contact;
             let rest: Vec<f64> = increment.iter().map(|x| x * (1.0 - t)).collect();
             let part = self.install(|| side.passage_fraction(&here, &rest, keep))?;
             if part == 1.0 {
@@ -98,13 +96,10 @@ impl Engine {
 
     /// Moves the curves to a state and updates their turning, which the bound needs; not the candidates.
     fn place_curves(&mut self, state: &State) -> Result<(), SolveError> {
-        let Some(mut side) = self.contact.take() else { return Ok(()) };
-        let turned = self.install(|| {
-            side.place(state);
-            side.exclusion.update(&side.set)
-        });
-        self.contact = Some(side);
-        turned
+        in_pool(self.pool.as_ref(), || {
+            self.contact.place(state);
+            self.contact.exclusion.update(&self.contact.set)
+        })
     }
 }
 
@@ -164,6 +159,9 @@ impl SegmentMotion {
 
 impl ContactSide {
     fn passage_fraction(&self, state: &State, increment: &[f64], keep: Keep) -> Result<f64, SolveError> {
+        if self.is_empty() {
+            return Ok(1.0);
+        }
         let nodes = &self.nodes;
         let motions = parallel::map(nodes.len(), parallel::CHEAP, &|k| self.motion(state, increment, k));
         let not_finite =
@@ -251,7 +249,7 @@ mod tests {
                     assert!(t > 0.0 && t <= 1.0);
                     for k in 0..=50 {
                         let there = engine.retract(&state, &step, t * f64::from(k) / 50.0);
-                        let side = engine.contact.as_mut().unwrap();
+                        let side = &mut engine.contact;
                         side.place(&there);
                         let middle = |c: usize| {
                             let info = side.set.curves[c];
@@ -297,7 +295,7 @@ mod tests {
 
     /// Writhe and link of the contact curves: each passage changes one of them by 2 or 1 at once.
     fn topology(engine: &mut Engine, state: &State) -> f64 {
-        let side = engine.contact.as_mut().unwrap();
+        let side = &mut engine.contact;
         side.place(state);
         let curve = |info: &crate::contact::curve::CurveInfo| -> Vec<Vec3> {
             let segments = &side.set.segments[info.first..info.first + info.count];
@@ -353,7 +351,7 @@ mod tests {
         for tilt in [0.0, 0.6] {
             let engine = knot(8, true, tilt);
             let (state, step) = (engine.state().clone(), waves(&engine, 1.0, 0.3, 0.7));
-            let side = engine.contact.as_ref().unwrap();
+            let side = &engine.contact;
             let h = 1e-6;
             for segment in 0..side.nodes.len() {
                 let [up, down] = [h, -h].map(|t| side.cubic(&engine.retract(&state, &step, t), segment));
@@ -450,7 +448,7 @@ mod tests {
                 let t = engine.step_fraction(&state, &step).unwrap();
                 let mut least = |t: f64| {
                     let there = engine.retract(&state, &step, t);
-                    let side = engine.contact.as_mut().unwrap();
+                    let side = &mut engine.contact;
                     side.place(&there);
                     let points = side.set.segments.iter().flat_map(|s| (0..=40).map(|k| s.point(f64::from(k) / 40.0)));
                     points.map(|r| r.z - point.z).fold(f64::INFINITY, f64::min)
@@ -500,7 +498,7 @@ mod tests {
                     assert!(t > 0.0, "{elements} {side} {by}");
                     let mut least = |t: f64| {
                         let there = engine.retract(&state, &step, t);
-                        let side = engine.contact.as_mut().unwrap();
+                        let side = &mut engine.contact;
                         side.place(&there);
                         let surface = side.surfaces[0];
                         let points =
@@ -558,7 +556,7 @@ mod tests {
                 let t = engine.step_fraction(&state, &step).unwrap();
                 let mut least = |t: f64| {
                     let there = engine.retract(&state, &step, t);
-                    let side = engine.contact.as_mut().unwrap();
+                    let side = &mut engine.contact;
                     side.place(&there);
                     let (surface, count) = (side.surfaces[0], side.set.curves[0].count);
                     let points =

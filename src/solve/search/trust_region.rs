@@ -288,7 +288,7 @@ impl Workspace {
         residual: &Residual,
         (step, trial): (&ModelStep, CorrectedStep),
     ) {
-        let hardened = engine.contact.as_mut().is_some_and(|side| side.before.take().is_some());
+        let hardened = engine.contact.before.take().is_some();
         let unseen = trial.expected.abs() <= residual.rounding;
         search.trust.accept(StepOutcome {
             extent: step.extent,
@@ -322,9 +322,7 @@ impl Workspace {
         let mut report = search.report;
         report.obstacle = report.obstacle.filter(|_| !report.converged);
         engine.take_state(search.state);
-        if let Some(side) = &mut engine.contact {
-            side.before = None;
-        }
+        engine.contact.before = None;
         self.finish(engine, options, report)
     }
 }

@@ -63,7 +63,7 @@ impl Workspace {
     pub(crate) fn refresh(&mut self, engine: &mut Engine, state: &State) -> Result<(), SolveError> {
         timed(&mut self.timings.detection, || engine.update_contact(state))?;
         // without contact, or with contact left out for now, the present pattern is valid
-        let generation = engine.contact.as_ref().map_or(self.generation, |side| side.generation());
+        let generation = if engine.contact.is_empty() { self.generation } else { engine.contact.generation() };
         if self.pattern.is_none() || generation != self.generation {
             // freed first, because they are the largest allocations
             (self.factor, self.num_negative, self.pattern) = (None, None, None);

@@ -107,7 +107,7 @@ fn composed(engine: &Engine, plectoneme: &OpenPlectoneme, exchange: &Exchange, t
     for end in [0, last] {
         frames[end] = to.frames()[end];
     }
-    let side = engine.contact.as_ref()?;
+    let side = &engine.contact;
     let offsets = side.offsets.moved(origins.iter().map(nearest));
     let forces = moved_forces(engine, plectoneme.helix.order, &origins);
     let contact = ContactOfGuess::Known(LawInForce { law: side.law, offsets, before: None });
@@ -189,7 +189,7 @@ fn is_uniform(engine: &Engine, rod: &Rod) -> bool {
 /// Nodes of the longest double helix with those opposite, whose neighbours follow each other backwards. It depends on
 /// the state alone: all segments as near as this are candidates of contact.
 fn longest_double_helix(engine: &Engine, rod: &Rod) -> Option<Vec<[usize; 2]>> {
-    let (side, state) = (engine.contact.as_ref()?, engine.state());
+    let (side, state) = (&engine.contact, engine.state());
     let near = (2.0 + NEAR) * side.min_radius;
     let mut opposite: Vec<Option<(f64, [usize; 2])>> = vec![None; state.positions().len()];
     for pair in side.broad_phase.pairs() {
@@ -289,7 +289,7 @@ impl OpenPlectoneme {
             return None;
         }
         let helix = DoubleHelix::measure(engine.state(), rod.order, middle, count)?;
-        let same = MAX_MISFIT * 2.0 * engine.contact.as_ref()?.min_radius;
+        let same = MAX_MISFIT * 2.0 * engine.contact.min_radius;
         let fits = helix.screw.misfit(engine.state(), rod.order, middle, count) <= same;
         fits.then_some(Self { ends: run[0], helix, spacing: rod.spacing() })
     }

@@ -144,7 +144,7 @@ impl Solver {
     /// known.
     pub(super) fn free_uniform_ring(&self) -> Option<&Rod> {
         let (model, state) = (&self.engine.model, self.engine.state());
-        let side = self.engine.contact.as_ref()?;
+        let side = &self.engine.contact;
         let [rod] = &model.rods[..] else { return None };
         let free = model.supports.is_empty() && state.pressures()[0] == 0.0 && !model.planar;
         let unloaded = model.loads.is_empty() && model.line_loads.is_empty() && model.obstacles.is_empty();
@@ -156,7 +156,7 @@ impl Solver {
     /// The cut that leaves so many turns and the end loops; `None` unless at least half of the rod is cut out, because
     /// less is not worth it.
     fn cut(&self, (rod, whole): (&Rod, &State), turns: f64) -> Option<Cut> {
-        let side = self.engine.contact.as_ref()?;
+        let side = &self.engine.contact;
         let (order, elements) = (rod.order, rod.num_elements);
         let pitch = Screw::measure(whole, order, [elements / 4 * order, (elements - elements / 4) * order], 1)?;
         let per_turn = TAU / pitch.angle;
@@ -199,7 +199,7 @@ impl Solver {
         let mut long = moved(long, &centre(before));
         let angle = before.seams()[0] - long.seams()[0];
         twist(&self.engine, &mut long, 0, angle);
-        let side = short.engine.contact.as_ref()?;
+        let side = &short.engine.contact;
         let offsets = side.offsets.moved(made.iter().map(|origin| origin.node as usize));
         let contact = ContactOfGuess::Known(LawInForce { law: side.law, offsets, before: None });
         Some(Lengthened { guess: Guess { contact, ..Guess::of(long) }, iterations, timings: short.workspace.timings })

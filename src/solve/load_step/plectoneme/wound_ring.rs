@@ -32,7 +32,7 @@ impl Solver {
         }
         let seam = state.seams()[0] + drive.seams[0];
         let (link, section) = (seam / TAU, rod.section);
-        let distance = 2.0 * self.engine.contact.as_ref()?.min_radius;
+        let distance = 2.0 * self.engine.contact.min_radius;
         let [bending, _] = section.bending;
         let plectoneme = Plectoneme::of_link(rod.length, distance, bending, section.twisting, link).ok()?;
         let direction = state.positions()[state.positions().len() / 2] - state.positions()[0];

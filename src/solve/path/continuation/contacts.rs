@@ -33,7 +33,7 @@ impl LabelledContacts {
     /// Of the engine's state, for which contact must be up to date.
     pub(super) fn of(solver: &Solver) -> Self {
         let engine = &solver.engine;
-        let Some(side) = &engine.contact else { return Self::default() };
+        let side = &engine.contact;
         if side.broad_phase.pairs().is_empty() {
             return Self::default();
         }

@@ -61,7 +61,7 @@ impl Tracer<'_> {
         reach: f64,
         longest: f64,
     ) -> Result<Option<Corner>, SolveError> {
-        if self.solver.engine.contact.is_none() {
+        if self.solver.engine.contact.is_empty() {
             return Ok(None);
         }
         self.enter(here)?;
@@ -102,7 +102,7 @@ impl Tracer<'_> {
         let at = |s: f64| here.tangent.scaled(s);
         let before = self.contacts_after(here, &at(0.0))?;
         let missing = |tracer: &Self, some: &LabelledContacts, others: &LabelledContacts| -> Vec<bool> {
-            let Some(side) = &tracer.solver.engine.contact else { return Vec::new() };
+            let side = &tracer.solver.engine.contact;
             some.found_among(others, &side.set, side.min_radius).iter().map(|found| !found).collect()
         };
         let changes = |tracer: &mut Self, s: f64| -> Result<[Vec<bool>; 2], SolveError> {
@@ -149,7 +149,7 @@ impl Tracer<'_> {
     fn changing_force(&mut self, base: &Point, motion: &PathMotion, change: &Change) -> Result<Vec<f64>, SolveError> {
         let there = self.contacts_after(base, motion)?;
         let engine = &self.solver.engine;
-        let Some(side) = &engine.contact else { return Ok(Vec::new()) };
+        let side = &engine.contact;
         let known = there.found_among(&change.known, &side.set, side.min_radius);
         let chosen: Vec<bool> = known.iter().map(|known| *known != change.begins).collect();
         Ok(there.gradient(engine, &chosen))
@@ -217,7 +217,7 @@ impl Tracer<'_> {
         beyond: &Beyond,
         force: f64,
     ) -> Result<Option<PathMotion>, SolveError> {
-        let radius = self.solver.engine.contact.as_ref().map_or(0.0, |side| side.min_radius);
+        let radius = self.solver.engine.contact.min_radius;
         let largest = beyond.press.field.chunks(6).flat_map(|node| &node[..3]).fold(0.0f64, |a, b| a.max(b.abs()));
         let with = |amount: f64| {
             let mut pressed = motion.clone();

@@ -145,7 +145,7 @@ impl Tracer<'_> {
         let engine = &self.solver.engine;
         Point {
             state: engine.state().clone(),
-            offsets: engine.contact.as_ref().map_or_else(ContactField::default, |side| side.offsets.clone()),
+            offsets: engine.contact.offsets.clone(),
             value,
             tangent: PathMotion { field: Vec::new(), parameter: 0.0 },
             num_unstable: 0,
@@ -163,9 +163,7 @@ impl Tracer<'_> {
         let solver = &mut *self.solver;
         solver.engine.take_state(point.state.clone());
         solver.engine.take_tangents();
-        if let Some(side) = &mut solver.engine.contact {
-            side.offsets.clone_from(&point.offsets);
-        }
+        solver.engine.contact.offsets.clone_from(&point.offsets);
         solver.workspace.refresh(&mut solver.engine, &point.state)
     }
 
@@ -289,7 +287,7 @@ impl Tracer<'_> {
         moved: &mut PathMotion,
         plane: &Hyperplane,
     ) -> Result<bool, SolveError> {
-        if self.solver.engine.contact.is_none() {
+        if self.solver.engine.contact.is_empty() {
             return Ok(true);
         }
         let tol = match self.solver.engine.model.contact.law {
@@ -320,8 +318,7 @@ impl Tracer<'_> {
                 return Ok(false);
             }
         }
-        point.offsets =
-            self.solver.engine.contact.as_ref().map_or_else(ContactField::default, |side| side.offsets.clone());
+        point.offsets = self.solver.engine.contact.offsets.clone();
         Ok(true)
     }
 

@@ -13,24 +13,18 @@ use crate::solve::problem::state::State;
 impl Engine {
     /// Moves the contact curves to `state` and refreshes candidates; true if the candidate list changed.
     pub(crate) fn update_contact(&mut self, state: &State) -> Result<bool, SolveError> {
-        let Some(mut side) = self.contact.take() else { return Ok(false) };
-        let pool = self.pool.take();
-        let result = in_pool(pool.as_ref(), || side.update(state));
-        self.pool = pool;
-        self.contact = Some(side);
-        result
+        in_pool(self.pool.as_ref(), || self.contact.update(state))
     }
 
     /// Whether contact exerts any force in the engine's state; contact must be up to date for it.
     pub(crate) fn is_touching(&self) -> bool {
-        let near = self.contact.as_ref().is_some_and(ContactSide::is_near);
+        let near = self.contact.is_near();
         near && self.residual_of_trial(&self.state).contact_gradient.iter().any(|force| *force != 0.0)
     }
 
     /// Gradient and potential of contact, tangent too if there is a sink for it.
     pub(super) fn add_contact(&self, request: Request, out: &mut Residual, mut sink: Option<&mut Sink>) {
-        let Some(side) = &self.contact else { return };
-        out.contact_gradient.resize(out.gradient.len(), 0.0);
+        let side = &self.contact;
         self.add_surfaces(side, request, out, sink.as_deref_mut());
         if side.broad_phase.pairs().is_empty() {
             return;
@@ -128,7 +122,7 @@ impl Engine {
 impl Engine {
     /// Gradient and potential of screened charges, tangent too if there is a sink for it.
     pub(super) fn add_electrostatics(&self, out: &mut Residual, mut sink: Option<&mut Sink>) {
-        let Some(side) = &self.contact else { return };
+        let side = &self.contact;
         let Some(repulsion) = &side.repulsion else { return };
         for pairs in repulsion.pairs().chunks(AT_ONCE) {
             for term in repulsion.terms(&side.set, pairs, sink.is_some()).into_iter().flatten() {
@@ -151,6 +145,9 @@ impl Engine {
 impl ContactSide {
     /// Moves the contact curves and refreshes candidates; true if the list changed.
     pub(crate) fn update(&mut self, state: &State) -> Result<bool, SolveError> {
+        if self.is_empty() {
+            return Ok(false);
+        }
         self.place(state);
         let (range, margin) = self.candidate_range();
         let generation = self.generation();

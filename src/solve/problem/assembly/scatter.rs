@@ -49,7 +49,7 @@ impl Places {
             let of = |e: usize| find(engine.nodes_of(&elements[e]));
             self.elements = parallel::map(elements.len(), parallel::CHEAP, &of);
         }
-        let Some(side) = &engine.contact else { return };
+        let side = &engine.contact;
         let coupled: Vec<[u32; 2]> = side.coupled().copied().collect();
         if self.pairs.len() != coupled.len() {
             self.pairs = parallel::map(coupled.len(), parallel::CHEAP, &|k| find(&side.ends_of(coupled[k])));

@@ -103,7 +103,7 @@ fn gradient_and_tangent_of_sheared_rods_match_finite_differences() {
     let tilt = crate::math::quaternion::exp(&Vec3::new(0.2, -0.1, 0.3));
     engine.state.frames.iter_mut().for_each(|frame| *frame *= tilt);
     engine.take_tangents();
-    assert!(engine.contact.as_ref().unwrap().tangents.are_sheared());
+    assert!(&engine.contact.tangents.are_sheared());
     check_derivatives(engine);
 }
 
@@ -148,7 +148,7 @@ fn touching(mut model: Model, state: State) -> Engine {
     model.line_loads.clear();
     let mut engine = Engine::new(model, None).unwrap();
     engine.state = state;
-    let side = engine.contact.as_mut().unwrap();
+    let side = &mut engine.contact;
     let offset = |k: usize| if k < side.offsets.num_nodes() { 0.0 } else { 0.012 + 0.009 * (0.9 * k as f64).sin() };
     side.offsets = side.offsets.map(|k, _| offset(k));
     engine
@@ -216,7 +216,7 @@ fn engine_with_bodies(piece: Option<(f64, Option<f64>)>) -> Engine {
     let state = engine.state.clone();
     // each as large as reaches the other ring's centreline less its radius
     for (k, nodes) in [engine.nodes(1), engine.nodes(0)].into_iter().enumerate() {
-        let surface = engine.contact.as_ref().unwrap().surface_in(&state, k);
+        let surface = engine.contact.surface_in(&state, k);
         let distance = |n: usize| surface.distance(&(state.positions[n] - surface.point())) + surface.level;
         engine.state.placements[k].level = nodes.map(distance).fold(f64::INFINITY, f64::min) - 0.055;
     }

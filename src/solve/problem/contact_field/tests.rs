@@ -136,7 +136,7 @@ fn forces_are_the_slope_of_the_energy() {
     let mut solver = beams();
     assert_eq!(solver.step_to(&[Ramp::Load { to: 1.0 }]).unwrap().status, Status::Converged);
     let middle = solver.engine.first_node[1] + 18;
-    let side = solver.engine.contact.as_ref().unwrap();
+    let side = &solver.engine.contact;
     let own: Vec<f64> = side.offsets.entries_of(middle).map(|k| side.offsets.values[37 * 3 + k]).collect();
     assert!(own.len() == 2 && own[1] > 1.1 * own[0] && own[0] > 0.0, "{own:?}");
     let state = solver.engine.state.clone();
@@ -172,7 +172,7 @@ fn restarts_carry_all_offsets() {
     .unwrap();
     let mut later = beams();
     later.take_over(postcard::from_bytes(&bytes).unwrap()).unwrap();
-    let offsets = |solver: &Solver| solver.engine.contact.as_ref().unwrap().offsets.clone();
+    let offsets = |solver: &Solver| solver.engine.contact.offsets.clone();
     assert!(!offsets(&solver).entries.is_empty());
     assert_eq!(offsets(&solver), offsets(&later));
     solver.forget_path().unwrap();

@@ -116,15 +116,14 @@ fn bodies(engine: &Engine, residual: &Residual) -> (Vec<usize>, Vec<usize>) {
     let rigid = model.joints.iter().filter(|joint| joint.kind == JointKind::Rigid);
     rigid.for_each(|joint| bodies.join(joint.a.rod, joint.b.rod));
     let mut touching = Vec::new();
-    if let Some(side) = &engine.contact {
-        touching.extend(residual.contact_pairs.iter().map(|pair| {
-            let [a, _, b, _] = side.nodes_of(pair).map(|node| engine.rod_of(node));
-            [a, b]
-        }));
-        for contact in &residual.surface_contacts {
-            let on = engine.rod_of(side.nodes[contact.segment][0]);
-            touching.push(engine.rods_at_body(contact).unwrap_or([on; 2]));
-        }
+    let side = &engine.contact;
+    touching.extend(residual.contact_pairs.iter().map(|pair| {
+        let [a, _, b, _] = side.nodes_of(pair).map(|node| engine.rod_of(node));
+        [a, b]
+    }));
+    for contact in &residual.surface_contacts {
+        let on = engine.rod_of(side.nodes[contact.segment][0]);
+        touching.push(engine.rods_at_body(contact).unwrap_or([on; 2]));
     }
     let body = (0..count).map(|rod| bodies.first(rod)).collect();
     (body, touching.into_iter().flatten().collect())

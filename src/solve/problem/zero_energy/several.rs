@@ -169,11 +169,10 @@ fn groups(engine: &Engine, residual: &Residual) -> Vec<Vec<usize>> {
     let mut scratch = Vec::new();
     let mut touching = Groups::apart(engine.model.rods.len(), &mut scratch);
     engine.model.joints.iter().for_each(|joint| touching.join(joint.a.rod, joint.b.rod));
-    if let Some(side) = &engine.contact {
-        for pair in &residual.contact_pairs {
-            let [a, _, b, _] = side.nodes_of(pair).map(|node| engine.rod_of(node));
-            touching.join(a, b);
-        }
+    let side = &engine.contact;
+    for pair in &residual.contact_pairs {
+        let [a, _, b, _] = side.nodes_of(pair).map(|node| engine.rod_of(node));
+        touching.join(a, b);
     }
     let at_bodies = residual.surface_contacts.iter().filter_map(|contact| engine.rods_at_body(contact));
     at_bodies.for_each(|[a, b]| touching.join(a, b));

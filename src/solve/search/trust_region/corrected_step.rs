@@ -195,7 +195,7 @@ impl Workspace {
         if !is_in_contact && largest_turn(&linear.increment) > GENTLE {
             return false;
         }
-        let width = engine.contact.as_ref().map_or(engine.scales.lever, |side| 2.0 * side.min_radius);
+        let width = if engine.contact.is_empty() { engine.scales.lever } else { 2.0 * engine.contact.min_radius };
         let energy = self.energy_norm_sq(engine, correction, self.shift);
         if energy <= linear.energy {
             return false;

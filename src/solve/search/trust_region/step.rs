@@ -160,7 +160,7 @@ fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let falling = (0..engine.model.rods.len()).filter(|rod| is_falling(engine, *rod));
     let ways = falling.flat_map(|rod| engine.nodes(rod)).map(|node| displacement(step, node).norm());
     let turn = ways.map(|way| way / engine.scales.length).fold(largest_turn(step), f64::max);
-    let Some(side) = &engine.contact else { return turn };
+    let side = &engine.contact;
     let sliding = |term: &crate::contact::potential::ContactPair| {
         let [a, _, b, _] = side.nodes_of(term);
         (displacement(step, a) - displacement(step, b)).norm()

@@ -126,7 +126,7 @@ fn predictions_are_nearly_at_rest() {
         assert_eq!(state.positions()[0], to.positions()[0]);
         assert!(state.positions()[last].yz().norm() < 1e-9, "{}", state.positions()[last]);
         let ContactOfGuess::Known(contact) = contact else { panic!("nothing known of contact") };
-        solver.engine.contact.as_mut().unwrap().offsets = contact.offsets;
+        solver.engine.contact.offsets = contact.offsets;
         let predicted = potential(&mut solver, &state);
         assert_eq!(solver.solve_step(&drive).status, Status::Converged);
         let [scale, rest] = energies(&solver);
