@@ -2,8 +2,9 @@
 
 use crate::math::Vec3;
 use crate::math::link::{KnotType, knot_type, linking_number};
+use crate::math::signed_distance::Skeleton;
 use crate::rod::Rod;
-use crate::scene::Model;
+use crate::scene::{Model, NodeRef, Obstacle, ObstaclePose};
 use crate::solve::Engine;
 
 use super::report::{GapReport, Knot, Linking};
@@ -17,6 +18,8 @@ const POINTS_PER_SEGMENT: usize = 2;
 const POINTS_FOR_LENGTH: usize = 8;
 /// Distance at which the ends of open rods are joined, over their extent: far beyond all strands.
 const FAR: f64 = 10.0;
+/// Sine of the angle between the ways outwards up to which they are one line, because any detour across that will do.
+const PARALLEL: f64 = 1e-6;
 
 /// Points of the centreline of a rod as it was given: cubics through the nodes along their d3.
 fn given_centerline(rod: &Rod) -> Vec<Vec3> {
@@ -38,10 +41,11 @@ fn given_centerline(rod: &Rod) -> Vec<Vec3> {
 
 /// Knots of the rods of a model as they were given, as [`knots`]: rod, determinant, |Δ(exp(2πi/3))|, name.
 pub(super) fn given_knots(model: &Model) -> Vec<(usize, f64, f64, String)> {
+    let start: Vec<ObstaclePose> = model.obstacles.iter().map(Obstacle::start).collect();
     let of = |rod: usize| {
         let mut points = given_centerline(&model.rods[rod]);
         if !model.rods[rod].closed {
-            close(&mut points);
+            close(&mut points, grips(model, &start, rod));
         }
         let KnotType { name, alexander } = knot_type(&points)?;
         Some((rod, alexander.determinant.round(), alexander.at_third.round(), name))
@@ -87,10 +91,11 @@ pub(super) fn linking(engine: &Engine) -> Vec<Linking> {
 /// Knots of the rods that take part in contact.
 pub(super) fn knots(engine: &Engine, gap: Option<&GapReport>) -> Vec<Knot> {
     let rods = &engine.model().rods;
+    let placements = engine.placements(engine.state());
     let of = |rod: usize| {
         let (mut points, _) = engine.centerline(rod, POINTS_PER_SEGMENT);
         if !rods[rod].closed {
-            close(&mut points);
+            close(&mut points, grips(engine.model(), &placements, rod));
         }
         let KnotType { name, alexander } = knot_type(&points)?;
         let is_one_tube = rods[rod].closed && rods[rod].contact_radii.is_none() && rods.len() == 1;
@@ -101,18 +106,43 @@ pub(super) fn knots(engine: &Engine, gap: Option<&GapReport>) -> Vec<Knot> {
     looked_at(engine.model()).into_iter().filter_map(of).collect()
 }
 
-/// Joins the ends far away from all strands.
-fn close(points: &mut Vec<Vec3>) {
+/// A rigid capsule that prolongs a rod: its direction and its length \[L\], none if it is endless.
+type Grip = (Vec3, Option<f64>);
+
+/// The grips at the first and the last node of a rod, with obstacles where they are placed.
+fn grips(model: &Model, placements: &[ObstaclePose], rod: usize) -> [Option<Grip>; 2] {
+    [0, model.rods[rod].num_nodes() - 1].map(|node| {
+        let at_end = |(obstacle, placement): (&Obstacle, &ObstaclePose)| {
+            let skeleton = obstacle.placed(placement).skeleton;
+            match (obstacle.carrier == Some(NodeRef { rod, node }), skeleton) {
+                (true, Skeleton::Piece { axis, length, .. }) => Some((axis, length)),
+                _ => None,
+            }
+        };
+        model.obstacles.iter().zip(placements).find_map(at_end)
+    })
+}
+
+/// Joins the ends of an open rod far away from all strands: along the grips that prolong it, and then outwards. Along
+/// endless grips the knot is what no motion changes that takes nothing through rod or grips.
+fn close(points: &mut Vec<Vec3>, grips: [Option<Grip>; 2]) {
     let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return };
+    let along = |end: Vec3, grip: Option<Grip>| grip.map_or(end, |(axis, length)| end + axis * length.unwrap_or(0.0));
+    let tips = [along(first, grips[0]), along(last, grips[1])];
     let middle = points.iter().sum::<Vec3>() / points.len() as f64;
-    let extent = points.iter().map(|point| (point - middle).norm()).fold(0.0, f64::max);
-    let outwards = |end: Vec3| (end - middle).try_normalize(0.0).unwrap_or(Vec3::x());
-    let (before, after) = (outwards(first), outwards(last));
-    // a detour, because the straight connection may pass through the rod
-    let across = (before - after).cross(&Vec3::ith((before - after).iamin(), 1.0));
-    let aside = across.try_normalize(0.0).unwrap_or(Vec3::z());
+    let extent = points.iter().chain(&tips).map(|point| (point - middle).norm()).fold(0.0, f64::max);
+    let outwards = |k: usize| match grips[k] {
+        Some((axis, None)) => axis,
+        _ => (tips[k] - middle).try_normalize(0.0).unwrap_or(Vec3::x()),
+    };
+    let (before, after) = (outwards(0), outwards(1));
+    // a detour across both, because the straight connection may pass through the rod
+    let across = before.cross(&after).try_normalize(PARALLEL);
+    let aside = across.unwrap_or_else(|| before.cross(&Vec3::ith(before.iamin(), 1.0)).normalize());
     let far = FAR * extent;
-    points.extend([last + after * far, middle + aside * (2.0 * far), first + before * far]);
+    let detour = [tips[1], tips[1] + after * far, middle + aside * (2.0 * far), tips[0] + before * far, tips[0]];
+    // without a grip of some length the tip is the rod's own end
+    points.extend(detour.into_iter().filter(|point| *point != first && *point != last));
 }
 
 /// Length of a closed rod over the diameter of the thickest tube about it: the gap limits the distance of strands, the
@@ -123,4 +153,27 @@ fn ropelength(engine: &Engine, rod: usize, gap: &GapReport) -> f64 {
     let by_strands = 2.0 * engine.model().rods[rod].section.contact_radius + gap.lower;
     let by_bends = 2.0 / engine.largest_curvature(rod)[0];
     length / by_strands.min(by_bends)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Symptom: a knot between endless grips was reported as 3_1 for 5_1, where an end had swung round, and the loops
+    /// lay about its grip. Mechanism: ends were joined outwards from the middle of the rod, not along its grips.
+    ///
+    /// The trefoil of three polynomials is cut where its tail still is among its loops.
+    #[test]
+    fn knots_are_closed_along_grips() {
+        let point = |t: f64| Vec3::new(t.powi(3) - 3.0 * t, t.powi(4) - 4.0 * t * t, t.powi(5) / 5.0 - 2.0 * t);
+        let knot = |[from, to]: [f64; 2], gripped: bool| {
+            let at = |k: usize| point(from + (to - from) * k as f64 / 300.0);
+            let mut points: Vec<Vec3> = (0..=300).map(at).collect();
+            let grip = |a: usize, b: usize| gripped.then(|| ((at(b) - at(a)).normalize(), None));
+            close(&mut points, [grip(1, 0), grip(299, 300)]);
+            knot_type(&points).unwrap().name
+        };
+        assert_eq!([4.0, 1.8].map(|t| knot([-t, t], true)), ["3_1"; 2]);
+        assert_eq!([4.0, 1.8].map(|t| knot([-t, t], false)), ["3_1", "0_1"]);
+    }
 }

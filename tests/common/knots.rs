@@ -5,6 +5,7 @@
 use nalgebra::{DMatrix, Rotation3};
 use supercoil::math::Vec3;
 use supercoil::math::link::linking_number;
+use supercoil::scene::{NodeRef, Obstacle, Skeleton};
 use supercoil::solve::Engine;
 
 /// Sine of the angle between two edges that are parallel.
@@ -56,10 +57,31 @@ pub fn determinant(points: &[Vec3]) -> f64 {
 
 /// An open rod between ends on the x axis, closed far away.
 pub fn closed_far_away(points: &[Vec3]) -> Vec<Vec3> {
+    closed_along(points, [-Vec3::x(), Vec3::x()])
+}
+
+/// An open rod prolonged along unit vectors from both ends, closed far away by a detour across both.
+fn closed_along(points: &[Vec3], [before, after]: [Vec3; 2]) -> Vec<Vec3> {
     let (first, last) = (points[0], points[points.len() - 1]);
     let size = 100.0 * points.iter().map(|p| (p - first).norm()).fold(0.0, f64::max);
-    let (left, right, out) = (first - Vec3::x() * size, last + Vec3::x() * size, Vec3::y() * size);
-    [left].into_iter().chain(points.iter().copied()).chain([right, right + out, left + out]).collect()
+    let across = before.cross(&after).try_normalize(PARALLEL);
+    let out = across.unwrap_or_else(|| before.cross(&Vec3::ith(before.iamin(), 1.0)).normalize());
+    let (left, right, detour) = (first + before * size, last + after * size, first + out * (2.0 * size));
+    [left].into_iter().chain(points.iter().copied()).chain([right, detour]).collect()
+}
+
+/// Ways on which the ends of a rod go on: along their tangents where grips prolong them, otherwise along x.
+fn ways_out(engine: &Engine, rod: usize) -> [Vec3; 2] {
+    let last = engine.positions(rod).len() - 1;
+    let way = |(node, sign): (usize, f64)| {
+        let is_gripped = |body: &Obstacle| {
+            let is_endless = matches!(body.skeleton, Skeleton::Piece { length: None, .. });
+            is_endless && body.carrier == Some(NodeRef { rod, node })
+        };
+        let tangent = engine.frames(rod)[node] * Vec3::z();
+        (if engine.model().obstacles.iter().any(is_gripped) { tangent } else { Vec3::x() }) * sign
+    };
+    [(0, -1.0), (last, 1.0)].map(way)
 }
 
 /// Rods of more nodes are not looked at: it takes too long.
@@ -67,7 +89,8 @@ const MOST_NODES: usize = 4000;
 
 /// Knots of all rods and links of all pairs of closed rods.
 ///
-/// An open rod counts as closed far away on the x axis. Where it starts as a knot, its tails must lie along x.
+/// An open rod counts as closed far away: along the endless grips that prolong it, otherwise along the x axis. Where it
+/// starts as a knot without grips, its tails must lie along x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Topology {
     knots: Vec<f64>,
@@ -85,7 +108,7 @@ impl Topology {
             match (points.len() > MOST_NODES, closed[rod]) {
                 (true, _) => 1.0,
                 (false, true) => determinant(points),
-                (false, false) => determinant(&closed_far_away(points)),
+                (false, false) => determinant(&closed_along(points, ways_out(engine, rod))),
             }
         };
         let knots = (0..rods.len()).map(knot).collect();
