@@ -132,9 +132,9 @@ fn plectoneme_of_the_thick_ring() {
     verify_plectoneme(&seen, 0.03, [3.03002, 2.32740, 8.38007], 1e-3);
 }
 
-/// Raising the penalty tenfold costs at most six Newton steps where all contacts are points that stay, mostly three,
-/// and at most eight where two are about to become three and along a line, each search ending superlinearly; at κ =
-/// 1e14 the force is the hard one.
+/// Raising the penalty tenfold costs five or six Newton steps, seven along a line, and up to twelve where the penalty
+/// is so soft that points of contact are about to split, each search ending superlinearly; at κ = 1e14 the force is the
+/// hard one.
 #[test]
 fn decades_of_the_penalty_converge_superlinearly() {
     let penalty = |kappa: f64| move |radius4: f64| ContactLaw::Penalty { stiffness: kappa * radius4 };
@@ -154,7 +154,7 @@ fn decades_of_the_penalty_converge_superlinearly() {
                 report.iterations, report.penetration
             );
             assert_eq!(report.status, Status::Converged);
-            let most = if excess_link < 2.0 { 6 } else { 8 };
+            let most = if decade > 10 { 7 } else { 12 };
             assert!(report.iterations <= most, "{} steps", report.iterations);
             assert_superlinear(&report, excess_link, decade);
         }

@@ -12,7 +12,6 @@
 //! | `core_law` | the contact law as a path, the last start; `multiplier_estimate` has the pressures that it begins with |
 //! | `descent` | a search that leaves unstable equilibria |
 //! | `enforce_contact` | the augmented Lagrangian; `multipliers`, `complementarity`: offsets raised and lowered until gaps and pressures fit |
-//! | `penalty_continuation` | pressures after a law was hardened |
 //! | `refine` | the same state on a finer mesh or under a harder law |
 //! | `energy_balance` | work done and energy kept: what a snap sets free |
 //! | `step_report` | how the step ended |
@@ -26,7 +25,6 @@ mod guess;
 mod multiplier_estimate;
 pub(in crate::solve) mod multipliers;
 mod nested_iteration;
-mod penalty_continuation;
 mod plectoneme;
 pub(in crate::solve) mod predictor;
 mod ramped_step;

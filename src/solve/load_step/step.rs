@@ -46,9 +46,6 @@ impl Solver {
     ) -> StepReport {
         let mut report = StepReport::settled();
         self.engine.take_tangents();
-        if let Err(error) = self.linearise_about_harder_law() {
-            return StepReport::refused(error);
-        }
         let from = self.snapshot();
         let mut ended = Err(Failed::from(Status::MaxIterations));
         for &origin in starts {

@@ -92,12 +92,6 @@ impl ContactField {
         first..first + self.entries[first..].iter().take_while(|e| e.node as usize == node).count()
     }
 
-    /// Where all numbers of a node are.
-    pub(crate) fn of_node(&self, node: usize) -> impl Iterator<Item = usize> {
-        let (nodes, first) = (self.num_nodes, self.first_entry());
-        (0..=self.num_surfaces).map(move |k| k * nodes + node).chain(self.entries_of(node).map(move |k| first + k))
-    }
-
     /// Where the number of a node's contact with an obstacle is.
     pub(crate) fn index_of_surface(&self, node: usize, surface: usize) -> usize {
         self.num_nodes * (1 + surface) + node

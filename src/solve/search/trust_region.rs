@@ -23,7 +23,7 @@ mod step;
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::HALVINGS;
+use crate::solve::measures::{BALANCED, HALVINGS};
 use crate::solve::problem::assembly::{Potential, Residual};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::work_of_moments;
@@ -59,8 +59,6 @@ struct Search {
     remaining: f64,
     trust: TrustRegion,
     rest: Convergence,
-    /// Whether a saddle may be left.
-    leaves: bool,
     progress: SearchProgress,
     /// Steps rejected or stuck in a row.
     rejections: usize,
@@ -90,7 +88,6 @@ impl Search {
             remaining,
             trust: TrustRegion::new(options.uncertainty),
             rest,
-            leaves: options.max_escapes > 0,
             progress,
             rejections: 0,
             report: NewtonReport::default(),
@@ -271,11 +268,10 @@ impl Workspace {
         search.rejections = if search.rest.is_stuck(&accepted) { search.rejections + 1 } else { 0 };
         let potential = search.potential(residual);
         self.move_to(engine, search, residual, (step, trial));
-        let lingers = search.leaves && search.rest.lingers(&potential, &accepted);
-        if lingers && !search.report.converged {
-            // no equilibrium to the tolerance: the caller leaves it, or the search has failed
-            search.report.at_saddle = self.count_unstable(engine)? > 0;
-            search.report.converged = search.report.at_saddle;
+        if search.rest.lingers(&potential, &accepted) && !search.report.converged {
+            search.report.converged = self.count_unstable(engine)? > 0;
+            // out of balance it is no equilibrium: the caller leaves it, or the search has failed
+            search.report.at_saddle = search.report.converged && accepted.unbalanced > BALANCED;
         }
         Ok(if search.rejections > HALVINGS { Advance::NoFarther } else { Advance::Done })
     }

@@ -104,7 +104,6 @@ fn planes_have_numbers_of_their_own() {
         (3.0, -1.0)
     );
     assert_eq!(numbers.at(&set, 1, 4), 7.0);
-    assert_eq!(numbers.of_node(1).collect::<Vec<_>>(), [1, 4, 7, 9]);
     assert_eq!(numbers.per_node(f64::max), [1.0, 7.0, 3.0]);
     let moved = ContactField { entries: vec![entry(2, 0, [3.0, 3.1])], ..numbers.clone() };
     assert_eq!(numbers.at_places_of(&set, &moved).values, [0.1, 7.0, 0.0, 1.0, 2.0, 3.0, -1.0, -2.0, -3.0, 0.3]);

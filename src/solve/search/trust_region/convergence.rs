@@ -11,8 +11,6 @@ use crate::solve::search::contact_balance::is_light;
 /// Largest change of contact forces in the last step of a rough search, over their size, because the next step then
 /// changes them by less than a fifth.
 const CONTACT_FOUND: f64 = 0.4;
-/// Tiny shifted steps in a row that mean a saddle, because the first may be chance.
-const SADDLE_STEPS: usize = 3;
 /// Steps in a row, shifted because the tangent is indefinite, in which the potential falls by [`NOTHING`] of the stored
 /// energy: the search lingers near a saddle. From there it would creep away by the ratio of a small eigenvalue to the
 /// shift, a thousand iterations in a heap of rods that may roll.
@@ -46,8 +44,6 @@ pub(super) struct Convergence {
     tol_increment: f64,
     /// Extent of the last step of a rough search.
     rough: Option<f64>,
-    /// Tiny shifted steps in a row.
-    at_saddle: usize,
     /// Shifted steps in a row that hardly lowered the potential, and the potential before them \[F·L\].
     lingering: (usize, f64),
     /// Expected decreases of full steps in a row, all below the rounding of the potential.
@@ -56,7 +52,7 @@ pub(super) struct Convergence {
 
 impl Convergence {
     pub(super) fn new(tol_increment: f64, rough: Option<f64>) -> Self {
-        Self { tol_increment, rough, at_saddle: 0, lingering: (0, f64::INFINITY), decrements: Vec::new() }
+        Self { tol_increment, rough, lingering: (0, f64::INFINITY), decrements: Vec::new() }
     }
 
     /// Whether a step is below the tolerance.
@@ -98,10 +94,7 @@ impl Convergence {
             // softer law
             Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= CONTACT_FOUND),
         };
-        // tiny shifted steps with a small residual are those at a saddle; the caller decides whether to leave it
-        // (a large shift alone makes any step tiny)
         let balanced = accepted.unbalanced <= BALANCED;
-        self.at_saddle = if tiny && indefinite && balanced { self.at_saddle + 1 } else { 0 };
         // motions that change neither potential nor forces are rounding along neutral directions
         let expected = trial.expected.abs();
         if expected >= accepted.noise || trial.fraction < 1.0 || accepted.goes_on {
@@ -112,7 +105,7 @@ impl Convergence {
         // steps that leave a saddle grow by far more than that in three steps
         let stays = |last: f64, before: f64| last > STAYS * before && (!indefinite || STAYS * last < before);
         let idle = balanced && matches!(self.decrements[..], [.., before, _, _, last] if stays(last, before));
-        trial.fraction == 1.0 && (still && !indefinite || self.at_saddle >= SADDLE_STEPS || idle)
+        trial.fraction == 1.0 && (still && !indefinite || idle)
     }
 
     /// Whether contact forces have converged after a tiny step.
