@@ -40,7 +40,7 @@ pub(crate) fn read_regular_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
 pub(crate) const CHECKPOINT: &[u8; 8] = b"SUPRCOIL";
 /// Version of the format of checkpoints; raised whenever anything in them changes.
 #[cfg(any(feature = "scenes", feature = "runs"))]
-pub(crate) const CHECKPOINT_FORMAT: u32 = 16;
+pub(crate) const CHECKPOINT_FORMAT: u32 = 17;
 /// Bytes before the body of a checkpoint.
 #[cfg(any(feature = "scenes", feature = "runs"))]
 pub(crate) const CHECKPOINT_HEAD: usize = 28;

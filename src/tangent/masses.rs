@@ -40,6 +40,11 @@ impl Masses {
         Self { nodes }
     }
 
+    /// That of all nodes \[mass\].
+    pub(super) fn total(&self) -> f64 {
+        self.nodes.iter().map(|node| node.line).sum()
+    }
+
     /// M v, six numbers a node; joined nodes' share is the first one's.
     pub(super) fn multiply(&self, engine: &Engine, motion: &[f64]) -> Vec<f64> {
         let mut product = Vec::with_capacity(motion.len());

@@ -158,24 +158,31 @@ impl EquilibriumTangent<'_> {
 /// A zero-energy mode with M times it, M-orthonormal.
 type HeldMotions = Vec<(Vec<f64>, Vec<f64>)>;
 
-/// Zero-energy modes that move mass. Others (spin of a line) have no part in M-orthogonality.
+/// Zero-energy modes that move mass, by more than rounding of what moves it as far. Others (spin of a line) have no part
+/// in M-orthogonality.
 fn held_motions(engine: &Engine, masses: &Masses, motions: &[Vec<f64>]) -> HeldMotions {
     let mut held: HeldMotions = Vec::new();
     for motion in motions {
         let mut motion = motion.clone();
         let size = |motion: &[f64]| dot(motion, &masses.multiply(engine, motion)).max(0.0).sqrt();
-        let before = size(&motion);
+        let largest = farthest(engine, &motion) * masses.total().sqrt();
         for _ in 0..2 {
             remove(&held, &mut motion);
         }
         let left = size(&motion);
-        if left > f64::EPSILON.sqrt() * before {
+        if left > f64::EPSILON.sqrt() * largest {
             motion.iter_mut().for_each(|x| *x /= left);
             let mass = masses.multiply(engine, &motion);
             held.push((motion, mass));
         }
     }
     held
+}
+
+/// The largest displacement of a node along a motion, or rotation times a node spacing \[L\].
+fn farthest(engine: &Engine, motion: &[f64]) -> f64 {
+    let way = |(i, x): (usize, &f64)| if i % 6 < 3 { x.abs() } else { x.abs() * engine.scales.lever };
+    motion.iter().enumerate().map(way).fold(0.0, f64::max)
 }
 
 fn remove(held: &HeldMotions, vector: &mut [f64]) {
@@ -217,10 +224,7 @@ impl Pencil for Shapes<'_> {
 
 /// Rates of the strains of all elements along a motion, by central differences.
 pub(super) fn strains_along(engine: &Engine, motion: &[f64]) -> Vec<[Strain; 3]> {
-    let spacing = engine.scales.lever;
-    let size = |(i, x): (usize, &f64)| if i % 6 < 3 { x.abs() / spacing } else { x.abs() };
-    let largest = motion.iter().enumerate().map(size).fold(f64::MIN_POSITIVE, f64::max);
-    let step = STEP / largest;
+    let step = STEP * engine.scales.lever / farthest(engine, motion).max(f64::MIN_POSITIVE);
     let [after, before] = [step, -step].map(|t| engine.retract(engine.state(), motion, t));
     let of_element = |e: usize| {
         let [after, before] = [&after, &before].map(|state| engine.element_strain(e, state));
