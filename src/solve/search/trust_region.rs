@@ -30,7 +30,7 @@ use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
 use crate::solve::search::newton::{Iteration, NewtonReport, SearchOptions, increment_size, relative_residual};
-use crate::solve::search::workspace::Workspace;
+use crate::solve::search::workspace::{Workspace, neutral_shift};
 use convergence::{Accepted, Convergence};
 use corrected_step::{CorrectedStep, StepStart};
 use progress::SearchProgress;
@@ -193,7 +193,8 @@ impl Workspace {
                 rounds: trial.rounds,
             });
             if is_accepted {
-                let accepted = Accepted { size, unbalanced, noise: residual.rounding, shift, goes_on: false };
+                let is_indefinite = shift > neutral_shift(engine);
+                let accepted = Accepted { size, unbalanced, noise: residual.rounding, is_indefinite, goes_on: false };
                 return self.accept(engine, search, (residual, accepted), (&step, trial));
             }
             // the decrease that is left in a full step is below the rounding of the potential: no search gets

@@ -217,9 +217,14 @@ impl Workspace {
         self.refresh(engine, &state)?;
         let stress = engine.actual_stress(&state);
         self.linearise(engine, &state, &stress, &PrescribedMotion::default());
-        let shift = if has_loose_motions(engine) { LOOSE } else { NEUTRAL_SHIFT };
+        let shift = neutral_shift(engine);
         self.factorise(engine, shift).ok_or(SolveError::Factorisation { iteration: 0, shift })
     }
+}
+
+/// Shift up to which eigenvalues count as neutral \[B/L⁴\].
+pub(super) fn neutral_shift(engine: &Engine) -> f64 {
+    if has_loose_motions(engine) { LOOSE } else { NEUTRAL_SHIFT }
 }
 
 /// Whether one of several rods is clamped nowhere, so that others may move it as a whole, or a closed one bears loads.

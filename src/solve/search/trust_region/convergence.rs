@@ -33,8 +33,8 @@ pub(super) struct Accepted {
     pub(super) unbalanced: f64,
     /// Rounding error of the potential.
     pub(super) noise: f64,
-    /// Shift of the tangent.
-    pub(super) shift: f64,
+    /// Whether the tangent was shifted by more than what counts as neutral.
+    pub(super) is_indefinite: bool,
     /// Whether supports are still to move after it.
     pub(super) goes_on: bool,
 }
@@ -63,7 +63,7 @@ impl Convergence {
     /// Whether the search is stuck: the shift made the step shorter than the tolerance, although forces are out of
     /// balance. Without this test it would not end where strands have no room left.
     pub(super) fn is_stuck(&self, accepted: &Accepted) -> bool {
-        accepted.shift > 0.0 && accepted.size <= self.tol_increment && accepted.unbalanced > NEARLY
+        accepted.is_indefinite && accepted.size <= self.tol_increment && accepted.unbalanced > NEARLY
     }
 
     /// Whether the search lingers with an accepted step from the state of this potential.
@@ -71,7 +71,7 @@ impl Convergence {
         let (steps, before) = self.lingering;
         let falls = potential.total() < before - NOTHING * stored_energy(potential);
         // a large shift alone makes steps short, but leaves forces out of balance
-        let nearly = accepted.shift > 0.0 && accepted.unbalanced <= NEARLY && !accepted.goes_on;
+        let nearly = accepted.is_indefinite && accepted.unbalanced <= NEARLY && !accepted.goes_on;
         self.lingering = if nearly && !falls { (steps + 1, before) } else { (0, potential.total()) };
         // asked again after as many steps if it is no saddle
         self.lingering.0 > 0 && self.lingering.0.is_multiple_of(LINGERING)
@@ -86,7 +86,7 @@ impl Convergence {
         accepted: &Accepted,
     ) -> bool {
         let tiny = self.is_tiny(accepted.size, trial);
-        let indefinite = accepted.shift > 0.0;
+        let indefinite = accepted.is_indefinite;
         let still = match self.rough {
             None => tiny && self.balances(engine, residual, trial, accepted),
             // relative motion decides, for a long rod swings far by little, once forces have found their places: the
