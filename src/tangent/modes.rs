@@ -158,8 +158,8 @@ impl EquilibriumTangent<'_> {
 /// A zero-energy mode with M times it, M-orthonormal.
 type HeldMotions = Vec<(Vec<f64>, Vec<f64>)>;
 
-/// Zero-energy modes that move mass, by more than rounding of what moves it as far. Others (spin of a line) have no part
-/// in M-orthogonality.
+/// Zero-energy modes that move mass, by more than rounding of what moves it as far. Others (spin of a line) have no
+/// part in M-orthogonality.
 fn held_motions(engine: &Engine, masses: &Masses, motions: &[Vec<f64>]) -> HeldMotions {
     let mut held: HeldMotions = Vec::new();
     for motion in motions {
