@@ -182,8 +182,8 @@ fn a_heap_in_a_trough_comes_to_rest() {
 }
 
 /// Four rods along axes, one on the other and on a table, at gaps of exactly 0, bear no load at first. Symptom: the
-/// start did not come to rest, "forces out of balance by 1.0e0 of what there is". Mechanism: the pressures are rounding,
-/// and so is the eigenvalue below zero that they make; a search that counts it as unstable finds no rest.
+/// start did not come to rest, "forces out of balance by 1.0e0 of what there is". Mechanism: the pressures are
+/// rounding, and so is the eigenvalue below zero that they make; a search that counts it as unstable finds no rest.
 #[test]
 fn rods_that_just_touch_rest_before_they_bear_a_load() {
     let rod = |k: usize, start: [f64; 3], direction: [f64; 3]| {
