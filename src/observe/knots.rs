@@ -19,7 +19,7 @@ const POINTS_FOR_LENGTH: usize = 8;
 /// Distance at which the ends of open rods are joined, over their extent: far beyond all strands.
 const FAR: f64 = 10.0;
 /// Sine of the angle between the ways outwards up to which they are one line, because any detour across that will do.
-const PARALLEL: f64 = 1e-6;
+const ONE_LINE: f64 = 1e-6;
 
 /// Points of the centreline of a rod as it was given: cubics through the nodes along their d3.
 fn given_centerline(rod: &Rod) -> Vec<Vec3> {
@@ -112,14 +112,13 @@ type Grip = (Vec3, Option<f64>);
 /// The grips at the first and the last node of a rod, with obstacles where they are placed.
 fn grips(model: &Model, placements: &[ObstaclePose], rod: usize) -> [Option<Grip>; 2] {
     [0, model.rods[rod].num_nodes() - 1].map(|node| {
-        let at_end = |(obstacle, placement): (&Obstacle, &ObstaclePose)| {
-            let skeleton = obstacle.placed(placement).skeleton;
-            match (obstacle.carrier == Some(NodeRef { rod, node }), skeleton) {
-                (true, Skeleton::Piece { axis, length, .. }) => Some((axis, length)),
-                _ => None,
-            }
+        let mut carried =
+            model.obstacles.iter().zip(placements).filter(|(o, _)| o.carrier == Some(NodeRef { rod, node }));
+        let grip = |(obstacle, placement): (&Obstacle, &ObstaclePose)| match obstacle.placed(placement).skeleton {
+            Skeleton::Piece { axis, length, .. } => Some((axis, length)),
+            _ => None,
         };
-        model.obstacles.iter().zip(placements).find_map(at_end)
+        carried.find_map(grip)
     })
 }
 
@@ -137,7 +136,7 @@ fn close(points: &mut Vec<Vec3>, grips: [Option<Grip>; 2]) {
     };
     let (before, after) = (outwards(0), outwards(1));
     // a detour across both, because the straight connection may pass through the rod
-    let across = before.cross(&after).try_normalize(PARALLEL);
+    let across = before.cross(&after).try_normalize(ONE_LINE);
     let aside = across.unwrap_or_else(|| before.cross(&Vec3::ith(before.iamin(), 1.0)).normalize());
     let far = FAR * extent;
     let detour = [tips[1], tips[1] + after * far, middle + aside * (2.0 * far), tips[0] + before * far, tips[0]];

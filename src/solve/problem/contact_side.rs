@@ -186,7 +186,7 @@ impl ContactSide {
     /// Largest offset, those of the law before included \[L\]; 0 if all are negative.
     pub(crate) fn largest_offset(&self) -> f64 {
         let earlier = self.before.iter().flat_map(|(_, offsets)| &offsets.values);
-        self.offsets.values.iter().chain(earlier).copied().fold(0.0, f64::max)
+        earlier.copied().fold(self.largest_offset_in_force(), f64::max)
     }
 
     /// Largest offset of the law in force \[L\]; 0 if none is positive.

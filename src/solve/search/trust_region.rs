@@ -269,10 +269,13 @@ impl Workspace {
         search.rejections = if search.rest.is_stuck(&accepted) { search.rejections + 1 } else { 0 };
         let potential = search.potential(residual);
         self.move_to(engine, search, residual, (step, trial));
-        if search.rest.lingers(&potential, &accepted) && !search.report.converged {
-            search.report.converged = self.count_unstable(engine)? > 0;
-            // out of balance it is no equilibrium: the caller leaves it, or the search has failed
-            search.report.at_saddle = search.report.converged && accepted.unbalanced > BALANCED;
+        let lingers = search.rest.lingers(&potential, &accepted) && !search.report.converged;
+        let balanced = accepted.unbalanced <= BALANCED;
+        // out of balance it is no equilibrium: the caller leaves it, or the search has failed; without a potential it
+        // may still become one, a negative eigenvalue or not
+        if lingers && (balanced || engine.is_conservative()) && self.count_unstable(engine)? > 0 {
+            search.report.converged = true;
+            search.report.at_saddle = !balanced;
         }
         Ok(if search.rejections > HALVINGS { Advance::NoFarther } else { Advance::Done })
     }

@@ -103,7 +103,7 @@ fn gradient_and_tangent_of_sheared_rods_match_finite_differences() {
     let tilt = crate::math::quaternion::exp(&Vec3::new(0.2, -0.1, 0.3));
     engine.state.frames.iter_mut().for_each(|frame| *frame *= tilt);
     engine.take_tangents();
-    assert!(&engine.contact.tangents.are_sheared());
+    assert!(engine.contact.tangents.are_sheared());
     check_derivatives(engine);
 }
 
