@@ -40,8 +40,8 @@ pub struct Factor {
 
 /// Who does the numeric work.
 enum Method {
-    /// The library by itself, with this scratch.
-    Library(MemBuffer),
+    /// The library by itself, with this scratch and the rows of all entries.
+    Library(MemBuffer, Vec<u32>),
     /// The library's dense kernels, in the order of this tree, on all threads.
     Fronts(EliminationTree),
 }
@@ -121,7 +121,7 @@ impl Factor {
         };
         let method = match tree {
             Some(tree) => Method::Fronts(tree),
-            None => Method::library(&symbolic)?,
+            None => Method::library(&symbolic, pattern)?,
         };
         Ok(Self { symbolic, method, values })
     }
@@ -140,11 +140,11 @@ impl Factor {
         }
         match (&mut self.method, self.symbolic.raw()) {
             (Method::Fronts(tree), SymbolicCholeskyRaw::Supernodal(symbolic)) => {
-                let matrix = Lower { col_ptr: pattern.col_ptr(), row_idx: pattern.row_idx(), values: lower };
+                let matrix = Lower { pattern, values: lower };
                 tree.factorise(&supernodes(symbolic), matrix, &mut self.values, eliminate).then_some(())?;
             }
-            (Method::Library(scratch), _) => {
-                let symbolic = SymbolicSparseColMatRef::new_checked(n, n, pattern.col_ptr(), None, pattern.row_idx());
+            (Method::Library(scratch, row_idx), _) => {
+                let symbolic = SymbolicSparseColMatRef::new_checked(n, n, pattern.col_ptr(), None, row_idx);
                 let matrix = SparseColMatRef::new(symbolic, lower);
                 self.symbolic
                     .factorize_numeric_ldlt(
@@ -215,7 +215,7 @@ impl Factor {
             (Method::Fronts(tree), SymbolicCholeskyRaw::Supernodal(symbolic)) => {
                 tree.solve(&supernodes(symbolic), &self.values, rhs);
             }
-            (Method::Library(scratch), _) => {
+            (Method::Library(scratch, _), _) => {
                 let factors = LdltRef::new(&self.symbolic, &self.values);
                 let (rhs, stack) = (MatMut::from_column_major_slice_mut(rhs, n, 1), MemStack::new(scratch));
                 factors.solve_in_place_with_conj(Conj::No, rhs, Par::Seq, stack);
@@ -228,11 +228,12 @@ impl Factor {
 impl Method {
     /// # Errors
     /// Memory that does not suffice.
-    fn library(symbolic: &SymbolicCholesky<u32>) -> Result<Self, SolveError> {
+    fn library(symbolic: &SymbolicCholesky<u32>, pattern: &Pattern) -> Result<Self, SolveError> {
         let scratch = symbolic
             .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        Ok(Self::Library(MemBuffer::try_new(scratch).map_err(|_| failed("out of memory".to_owned()))?))
+        let scratch = MemBuffer::try_new(scratch).map_err(|_| failed("out of memory".to_owned()))?;
+        Ok(Self::Library(scratch, pattern.row_idx()))
     }
 }
 
@@ -314,7 +315,7 @@ mod tests {
             crate::math::parallel::in_pool(Some(&pool), || {
                 let SymbolicCholeskyRaw::Supernodal(symbolic) = factor.symbolic.raw() else { panic!("no diagonal") };
                 factor.method = match fewest {
-                    None => Method::library(&factor.symbolic).unwrap(),
+                    None => Method::library(&factor.symbolic, &pattern).unwrap(),
                     Some(fewest) => {
                         let tree = EliminationTree::of_more(&supernodes(symbolic), 0.0).unwrap();
                         assert!(tree.num_tasks() >= fewest, "{}", tree.num_tasks());
@@ -362,10 +363,9 @@ mod tests {
         let n = pattern.num_equations();
         let mut dense = nalgebra::DMatrix::<f64>::zeros(n, n);
         for column in 0..n {
-            for entry in pattern.col_ptr()[column] as usize..pattern.col_ptr()[column + 1] as usize {
-                let row = pattern.row_idx()[entry] as usize;
-                dense[(row, column)] = values[entry];
-                dense[(column, row)] = values[entry];
+            for (&row, value) in pattern.rows(column).iter().zip(&values[pattern.entries(column)]) {
+                dense[(row as usize, column)] = *value;
+                dense[(column, row as usize)] = *value;
             }
         }
         let negative = dense.clone().symmetric_eigenvalues().iter().filter(|x| **x < 0.0).count();

@@ -12,13 +12,13 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::math::parallel;
+use crate::sparse::Pattern;
 use crate::sparse::forest::{Forest, NONE};
 
-/// A sparse symmetric matrix: lower triangle, compressed columns.
+/// A sparse symmetric matrix: entries of a pattern.
 #[derive(Clone, Copy)]
 pub(super) struct Lower<'a> {
-    pub(super) col_ptr: &'a [u32],
-    pub(super) row_idx: &'a [u32],
+    pub(super) pattern: &'a Pattern,
     pub(super) values: &'a [f64],
 }
 
@@ -339,9 +339,9 @@ impl Front<'_> {
         self.panel.fill(0.0);
         let (first, width) = (self.columns.start, self.columns.len());
         for (column, values) in self.columns.clone().zip(self.panel.chunks_exact_mut(width + self.rows.len())) {
-            let entries = matrix.col_ptr[column] as usize..matrix.col_ptr[column + 1] as usize;
             let mut at = 0;
-            for (&row, value) in matrix.row_idx[entries.clone()].iter().zip(&matrix.values[entries]) {
+            for (&row, value) in matrix.pattern.rows(column).iter().zip(&matrix.values[matrix.pattern.entries(column)])
+            {
                 let place = place(row, first, width, self.rows, &mut at);
                 values[place] = *value;
             }

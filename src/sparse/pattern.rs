@@ -5,6 +5,8 @@
 //! Equations are numbered in the order of elimination ([`NodeGraph::ordered`]), so that the factorisation takes the
 //! matrix as it is assembled.
 
+use std::ops::Range;
+
 /// Marks an eliminated unknown.
 const NONE: u16 = u16::MAX;
 /// Unknowns of a node that no support holds.
@@ -20,8 +22,14 @@ pub struct Pattern {
     /// First equation of each node.
     first: Vec<u32>,
     unknowns: Unknowns,
+    /// First entry of each column, and their number.
     col_ptr: Vec<u32>,
-    row_idx: Vec<u32>,
+    /// Place of the node that has an equation.
+    place_of: Vec<u32>,
+    /// Per place: range in `rows`.
+    row_ptr: Vec<u32>,
+    /// Per place: rows of the first column of its block, ascending. Each further column has one row less.
+    rows: Vec<u32>,
     /// Per place: range in `neighbours`.
     neighbour_ptr: Vec<u32>,
     /// (place of a node at or after this one, row offset of its block inside the first column of this one), ascending.
@@ -184,8 +192,9 @@ impl Pattern {
 
     fn fill(&mut self, blocks: &[(u32, u32)]) {
         self.col_ptr.push(0);
+        self.row_ptr.push(0);
         self.neighbour_ptr.push(0);
-        let mut blocks = blocks;
+        let (mut blocks, mut num_entries) = (blocks, 0);
         for (&node, at) in self.order.iter().zip(0u32..) {
             let (here, rest) = blocks.split_at(blocks.partition_point(|block| block.0 == at));
             blocks = rest;
@@ -195,16 +204,21 @@ impl Pattern {
                 offset += self.num_free(self.order[other as usize]);
             }
             self.neighbour_ptr.push(self.neighbours.len() as u32);
-            for column in 0..self.num_free(node) {
-                for &(_, other) in here {
-                    let below = if other == at { column } else { 0 };
-                    let other = self.order[other as usize];
-                    let base = self.first[other as usize];
-                    self.row_idx.extend((below..self.num_free(other)).map(|row| base + row));
-                }
-                self.col_ptr.push(self.row_idx.len() as u32);
+            let width = self.num_free(node);
+            for &(_, other) in here.iter().filter(|_| width > 0) {
+                let other = self.order[other as usize];
+                let base = self.first[other as usize];
+                self.rows.extend(base..base + self.num_free(other));
+            }
+            self.row_ptr.push(self.rows.len() as u32);
+            for column in 0..width {
+                num_entries += offset - column;
+                self.col_ptr.push(num_entries);
+                self.place_of.push(at);
             }
         }
+        [&mut self.rows, &mut self.col_ptr, &mut self.place_of].into_iter().for_each(Vec::shrink_to_fit);
+        self.neighbours.shrink_to_fit();
     }
 
     /// Number of equations.
@@ -214,29 +228,45 @@ impl Pattern {
 
     /// Number of stored entries.
     pub fn num_entries(&self) -> usize {
-        self.row_idx.len()
+        self.col_ptr.last().map_or(0, |&last| last as usize)
     }
 
-    /// Column pointers (lower triangle).
+    /// Rows of a column of the lower triangle, ascending; the first is the diagonal.
+    #[inline]
+    pub fn rows(&self, column: usize) -> &[u32] {
+        let place = self.place_of[column] as usize;
+        let above = column - self.first[self.order[place] as usize] as usize;
+        &self.rows[self.row_ptr[place] as usize + above..self.row_ptr[place + 1] as usize]
+    }
+
+    /// Entries of a column.
+    #[inline]
+    pub fn entries(&self, column: usize) -> Range<usize> {
+        self.col_ptr[column] as usize..self.col_ptr[column + 1] as usize
+    }
+
+    /// First entry of each column, and the number of all.
     pub fn col_ptr(&self) -> &[u32] {
         &self.col_ptr
     }
 
-    /// Row indices (lower triangle), ascending within a column; the first is the diagonal.
-    pub fn row_idx(&self) -> &[u32] {
-        &self.row_idx
+    /// Rows of all entries, one column after the other.
+    pub fn row_idx(&self) -> Vec<u32> {
+        let mut row_idx = Vec::with_capacity(self.num_entries());
+        (0..self.num_equations()).for_each(|column| row_idx.extend_from_slice(self.rows(column)));
+        row_idx
     }
 
     /// The upper triangle: column pointers and row indices, ascending within a column.
     pub fn upper(&self) -> (Vec<u32>, Vec<u32>) {
-        let mut col_ptr = vec![0u32; self.col_ptr.len()];
-        self.row_idx.iter().for_each(|&row| col_ptr[row as usize + 1] += 1);
+        let (mut col_ptr, columns) = (vec![0u32; self.col_ptr.len()], 0..self.num_equations());
+        columns.clone().for_each(|column| self.rows(column).iter().for_each(|&row| col_ptr[row as usize + 1] += 1));
         (1..col_ptr.len()).for_each(|k| col_ptr[k] += col_ptr[k - 1]);
         let mut next = col_ptr.clone();
-        let mut row_idx = vec![0u32; self.row_idx.len()];
-        for column in 0..self.num_equations() {
-            for entry in self.col_ptr[column] as usize..self.col_ptr[column + 1] as usize {
-                let slot = &mut next[self.row_idx[entry] as usize];
+        let mut row_idx = vec![0u32; self.num_entries()];
+        for column in columns {
+            for &row in self.rows(column) {
+                let slot = &mut next[row as usize];
                 row_idx[*slot as usize] = column as u32;
                 *slot += 1;
             }
@@ -356,19 +386,20 @@ impl Pattern {
     /// y = A x for the symmetric matrix with the given values.
     pub fn multiply(&self, values: &[f64], x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
-        for column in 0..x.len() {
-            let entries = self.col_ptr[column] as usize..self.col_ptr[column + 1] as usize;
-            let (Some((diagonal, values)), [_, rows @ ..]) =
-                (values[entries.clone()].split_first(), &self.row_idx[entries])
-            else {
-                continue;
-            };
-            let mut sum = y[column] + diagonal * x[column];
-            for (&row, value) in rows.iter().zip(values) {
-                y[row as usize] += value * x[column];
-                sum += value * x[row as usize];
+        for (place, &node) in self.order.iter().enumerate() {
+            let (first, width) = (self.first[node as usize] as usize, self.num_free(node) as usize);
+            let rows = &self.rows[self.row_ptr[place] as usize..self.row_ptr[place + 1] as usize];
+            let mut column = 0;
+            while column < width {
+                let rows = &rows[column..];
+                let values = &values[self.col_ptr[first + column] as usize..];
+                // nodes in space, in the plane, others
+                column += match width - column {
+                    6.. => multiply_columns::<6>(rows, values, x, &mut y),
+                    3.. => multiply_columns::<3>(rows, values, x, &mut y),
+                    _ => multiply_columns::<1>(rows, values, x, &mut y),
+                };
             }
-            y[column] = sum;
         }
         y
     }
@@ -377,6 +408,38 @@ impl Pattern {
     pub fn diagonal(&self, equation: usize) -> usize {
         self.col_ptr[equation] as usize
     }
+}
+
+/// Adds the products of the first `W` columns of a node's block, and of their transpose, to y; `W`. Sums that do not
+/// wait for each other run at once: those of the columns.
+fn multiply_columns<const W: usize>(rows: &[u32], values: &[f64], x: &[f64], y: &mut [f64]) -> usize {
+    let mut columns: [&[f64]; W] = [&[]; W];
+    let mut rest = values;
+    for (k, column) in columns.iter_mut().enumerate() {
+        (*column, rest) = rest.split_at(rows.len() - k);
+    }
+    let first = rows[0] as usize;
+    let own: [f64; W] = std::array::from_fn(|k| x[first + k]);
+    let mut sums = [0.0; W];
+    for k in 0..W {
+        sums[k] = y[first + k] + columns[k][0] * own[k];
+        for (row, value) in (k + 1..W).zip(&columns[k][1..]) {
+            y[first + row] += value * own[k];
+            sums[k] += value * own[row];
+        }
+    }
+    let below = &rows[W..];
+    let columns: [&[f64]; W] = std::array::from_fn(|k| &columns[k][W - k..][..below.len()]);
+    for (at, &row) in below.iter().enumerate() {
+        let (given, mut sum) = (x[row as usize], y[row as usize]);
+        for k in 0..W {
+            sum += columns[k][at] * own[k];
+            sums[k] += columns[k][at] * given;
+        }
+        y[row as usize] = sum;
+    }
+    y[first..first + W].copy_from_slice(&sums);
+    W
 }
 
 #[cfg(test)]
@@ -476,7 +539,7 @@ mod tests {
             let column_of = |entry: usize| ptr.partition_point(|&first| first as usize <= entry) as u32 - 1;
             columns.map(|entry| (rows[entry], column_of(entry))).collect()
         };
-        let lower = dense(other.col_ptr(), other.row_idx());
+        let lower = dense(other.col_ptr(), &other.row_idx());
         let mut upper: Vec<(u32, u32)> = dense(&col_ptr, &row_idx).into_iter().map(|(r, c)| (c, r)).collect();
         assert!(lower.iter().all(|(row, column)| row >= column));
         upper.sort_by_key(|&(row, column)| (column, row));
