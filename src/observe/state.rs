@@ -40,9 +40,6 @@ const NOTED: f64 = 1.1;
 /// Energy set free over what is stored that is none, because contact forces, and energies with them, are known to 1e-6.
 const TOL_ENERGY: f64 = 1e-6;
 
-/// Strain by rounding: 1e-13 is some hundred units in the last place.
-const TOL_STRAIN: f64 = 1e-13;
-
 /// Relative rounding of a sum of lengths.
 const ROUNDING: f64 = 1e-12;
 
@@ -78,7 +75,7 @@ pub fn observe(progress: &Progress) -> Observation {
     let obstacle_sites = obstacle_sites_of(engine, &residual);
     let energies = energies(&residual.potential);
     let released = progress.report.energy_released;
-    let least = TOL_ENERGY * energies.total + rounding_of_energy(engine);
+    let least = TOL_ENERGY * energies.total;
     let energy_released = if released > least { released } else { 0.0 };
     let reactions = reactions(engine, &residual);
     let joints = joint_forces(engine, &reactions);
@@ -312,12 +309,6 @@ fn open_link(engine: &Engine, rod: usize) -> Option<f64> {
     }
     let (points, d1) = engine.centerline(rod, POINTS_PER_SEGMENT);
     Some(link_of_ends(&points, &d1, start + end))
-}
-
-/// Energy of all rods strained by rounding \[F·L\].
-fn rounding_of_energy(engine: &Engine) -> f64 {
-    let of = |rod: &Rod| rod.section.stretching * rod.length * TOL_STRAIN * TOL_STRAIN;
-    engine.model().rods.iter().map(of).sum()
 }
 
 /// Warnings about an equilibrium: a snap before it, a contact law softer than prescribed.

@@ -12,9 +12,10 @@
 //! E* = E₀ + W₀ + ½ r² ΔW        E₀ + min(W₀, W₁) where no last step is known
 //! ```
 //!
-//! A step that ends lower by a tenth of the work, and whose own balance does not close, either, has left its
-//! branch by a snap. It has set free E* − E₁. Where a branch bends sharply, as a strut does that buckles, E* is missed,
-//! too, but the balance of the step after it closes.
+//! A step that ends lower by a tenth of the work, and lower than its own balance, too, has left its branch by a snap. It
+//! has set free E* − E₁. Where a branch bends, as that of a taut rope which is let down, or sharply, as a strut does
+//! that buckles, E* is missed, too, but not the balance, or it is missed on the other side: for a parabola of F, E* − E₁
+//! is −5 times ½ (W₀ + W₁) − (E₁ − E₀).
 //!
 //! The four numbers E₁ − E₀, W₀, W₁ and ΔW do not tell a small snap from a large curvature: with r = 10, a ring that
 //! loses one of two contacts has those of a smooth parabola of F. So a step that ends lower or higher by a hundredth of
@@ -92,10 +93,10 @@ pub(in crate::solve) struct Departure {
 }
 
 impl Departure {
-    /// Whether it is more than a part of the work, and the balance of the step's own forces does not close, either.
+    /// Whether it is more than a part of the work, and the balance of the step's own forces lacks energy as well.
     fn is_above(&self, part: f64) -> bool {
         let size = self.released.abs();
-        size > part * self.work + self.rounding && self.gap.abs() > CLOSED * size
+        size > part * self.work + self.rounding && self.gap * self.released.signum() > CLOSED * size
     }
 
     /// Whether the branch may be lost, if nothing else is known of the step. A state of another branch may lie higher.
@@ -153,7 +154,9 @@ impl Solver {
         let work = work_of_motions(engine, &residual, changes)
             + work_of_contact(engine, &residual, changes)
             + work_of_numbers(engine, &state, changes);
-        let stored = elastic + residual.potential.electrostatic;
+        // a rod without forces stores nothing, and knows its bends to rounding all the same
+        let bent: f64 = engine.model.rods.iter().map(|rod| rod.section.smaller_bending() / rod.length).sum();
+        let stored = elastic + residual.potential.electrostatic + bent;
         Some(Balance { energy, work, rounding: ROUNDING * stored + rounding_of_reactions(engine, changes) })
     }
 }

@@ -26,7 +26,7 @@ use crate::math::signed_distance::{Skeleton, Surface};
 use crate::math::{Mat3, Vec3};
 use crate::rod::Natural;
 use crate::scene::NodeRef;
-use crate::solve::measures::NOTHING;
+use crate::solve::measures::{NOTHING, ROUNDING};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -192,12 +192,24 @@ fn left_by_surfaces(surfaces: &[Surface], (centre, length): (&Vec3, f64), planar
     (0..6).filter(is_free).map(of_null_space).collect()
 }
 
-/// Surfaces of the obstacles that some rods touch, those that nodes carry left out: they move with their rods.
-fn touched_by(engine: &Engine, contacts: &[SurfaceContact], rods: &[usize]) -> Vec<Surface> {
+/// Whether contact pushes a segment by more than rounding, as a force that turns a node spacing by 1e-11 rad. A rod that
+/// lies at a gap of 0 is held by rounding otherwise, or let go.
+fn is_pushed(engine: &Engine, residual: &Residual, segment: usize) -> bool {
+    engine.contact.nodes[segment].iter().any(|&node| {
+        let rod = &engine.model.rods[engine.rod_of(node)];
+        let force = Vec3::from_column_slice(&residual.contact_gradient[6 * node..6 * node + 3]);
+        force.norm() * rod.spacing().powi(2) > ROUNDING * rod.section.smaller_bending()
+    })
+}
+
+/// Surfaces of the obstacles that push some rods, those that nodes carry left out: they move with their rods.
+fn touched_by(engine: &Engine, residual: &Residual, rods: &[usize]) -> Vec<Surface> {
     let side = &engine.contact;
+    let pushes = |contact: &SurfaceContact| is_pushed(engine, residual, contact.segment);
     let is_touched = |surface: &usize| {
         let of_rods = |contact: &&SurfaceContact| rods.contains(&engine.rod_of(side.nodes[contact.segment][0]));
-        contacts.iter().filter(|contact| contact.surface == *surface).any(|contact| of_rods(&contact))
+        let contacts = residual.surface_contacts.iter().filter(|contact| contact.surface == *surface);
+        contacts.filter(of_rods).any(pushes)
     };
     let fixed = (0..side.surfaces.len()).filter(|surface| !side.surfaces[*surface].carried);
     fixed.filter(is_touched).map(|surface| side.surfaces[surface]).collect()
@@ -449,7 +461,7 @@ impl ZeroEnergyModes {
     pub(crate) fn at(engine: &Engine, state: &State, residual: &Residual) -> Self {
         let is_sheared = engine.contact.tangents.are_sheared();
         if engine.model.rods.len() == 1 {
-            return Self { is_sheared, ..Self::of(engine, state, &residual.surface_contacts) };
+            return Self { is_sheared, ..Self::of(engine, state, residual) };
         }
         let several = Several::of(engine, state, residual, weights(engine));
         Self { is_sheared, several, ..Self::default() }
@@ -459,7 +471,7 @@ impl ZeroEnergyModes {
     /// free; if it is held somewhere, those that its supports let pass and loads do no work on (a closed rod clamped at
     /// one node travels along its own shape through the clamp, and swings about the tangent there; one twisted between
     /// coaxial clamps turns about their axis while it spins back). None otherwise.
-    fn of(engine: &Engine, state: &State, surface_contacts: &[SurfaceContact]) -> Self {
+    fn of(engine: &Engine, state: &State, residual: &Residual) -> Self {
         if engine.model.rods.len() != 1 {
             return Self::default();
         }
@@ -470,7 +482,7 @@ impl ZeroEnergyModes {
         }
         let mut zero_energy = Self { weights: weights(engine), ..Self::default() };
         let nodes: Vec<usize> = engine.nodes(0).collect();
-        let touched = touched_by(engine, surface_contacts, &[0]);
+        let touched = touched_by(engine, residual, &[0]);
         let mut motions = rigid_motions(engine, state, &nodes, &touched);
         zero_energy.on_obstacles = !touched.is_empty();
         // springs of a falling rod, too, stop only what loads leave alone

@@ -7,9 +7,10 @@
 
 use super::hinged::part_rotations;
 use super::{
-    Supports, holds_all, is_falling, is_free, is_round, least_size, left_alone, rigid_motions, spin_of, subtract,
+    Supports, holds_all, is_falling, is_free, is_pushed, is_round, least_size, left_alone, rigid_motions, spin_of, subtract,
     subtract_force, touched_by,
 };
+use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
@@ -56,7 +57,7 @@ impl Several {
             }
             let is_held = group.iter().any(|&rod| holds_all(engine, rod));
             let nodes: Vec<usize> = group.iter().flat_map(|rod| engine.nodes(*rod)).collect();
-            let touched = touched_by(engine, &residual.surface_contacts, &group);
+            let touched = touched_by(engine, residual, &group);
             let rigid = if is_held { Vec::new() } else { rigid_motions(engine, state, &nodes, &touched) };
             if group.iter().all(|rod| floats(*rod)) {
                 if touched.is_empty() {
@@ -170,7 +171,8 @@ fn groups(engine: &Engine, residual: &Residual) -> Vec<Vec<usize>> {
     let mut touching = Groups::apart(engine.model.rods.len(), &mut scratch);
     engine.model.joints.iter().for_each(|joint| touching.join(joint.a.rod, joint.b.rod));
     let side = &engine.contact;
-    for pair in &residual.contact_pairs {
+    let pushes = |pair: &&ContactPair| [pair.slave, pair.master].iter().all(|k| is_pushed(engine, residual, *k));
+    for pair in residual.contact_pairs.iter().filter(pushes) {
         let [a, _, b, _] = side.nodes_of(pair).map(|node| engine.rod_of(node));
         touching.join(a, b);
     }
