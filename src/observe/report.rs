@@ -383,7 +383,8 @@ pub struct Observation {
     /// What holds of the state, by checks that share nothing with the solver.
     #[cfg_attr(feature = "serde", serde(default))]
     pub certificate: Certificate,
-    /// Number of unstable directions of the accepted state.
+    /// Number of unstable directions of the accepted state; of moments of fixed direction in space, which have no
+    /// potential, negative eigenvalues of the tangent's symmetric part, which decide nothing.
     pub num_unstable: usize,
     /// Energy set free by a snap of this step \[F·L\], see
     /// [`StepReport::energy_released`](crate::solve::StepReport::energy_released); 0 where the rods followed a stable

@@ -184,9 +184,9 @@ fn certificate(
 }
 
 /// The number of directions in which the energy falls, counted under the law requested or, where the mesh does not
-/// carry it, the softer one that a note names.
+/// carry it, the softer one that a note names. Without a potential it decides nothing.
 fn stability(progress: &Progress) -> Option<Check> {
-    progress.given.filter(|given| given.only_stable)?;
+    progress.given.filter(|given| given.only_stable && progress.engine.is_conservative())?;
     let count = progress.report.num_unstable as f64;
     Some(Check::new("stability", count, 0.0, "unstable directions".to_owned()))
 }

@@ -3,13 +3,14 @@
 use crate::common;
 
 use std::ops::ControlFlow;
+use std::path::Path;
 
 use common::verify;
 use supercoil::math::Vec3;
 use supercoil::observe::observe;
 use supercoil::observe::report::Observation;
 use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
-use supercoil::scene::{Contact, Model, NodeRef, Ramp, Stage, Support};
+use supercoil::scene::{Contact, Model, NodeRef, Ramp, Scene, Stage, Support};
 use supercoil::solve::{Options, Status, run};
 
 const STRETCHING: f64 = 1e4;
@@ -67,5 +68,62 @@ fn a_stable_path_sets_nothing_free() {
     for stages in [&[(0.0038, 2)][..], &[(0.02, 1)], &[(0.0038, 1), (0.02, 1)], &[(0.02, 10)]] {
         let states = pressed(stages);
         assert!(states.iter().all(|state| state.energy_released == 0.0 && state.notes.is_empty()), "{stages:?}");
+    }
+}
+
+/// Symptom: smooth paths were told as snaps: a taut rope that is let down, a ring whose natural curvature changes, and,
+/// of 2e-16, a rod that curls without any force. Mechanism: E* is missed by a tenth of the work where forces change that
+/// fast, and the balance of the step's own forces does not close to a twentieth of that, but lies on the other side; and
+/// nothing was the rounding of a rod that stores nothing.
+#[test]
+fn a_path_that_bends_sets_nothing_free() {
+    let rope = r#"
+        gravity = [0, 0, -9.81]
+        [[rods]]
+        shape = { kind = "line", length = 3.0 }
+        section = { bending = 0.02, twisting = 0.02, stretching = 2e4, shearing = 2e4, contact_radius = 0.006 }
+        mass = 0.36
+        elements = 32
+        [[supports]]
+        at = "start"
+        position = true
+        [[supports]]
+        at = "end"
+        position = true
+        [[stages]]
+        ramp = { displacement = { at = "end", to = [-1.0, 0.0, 0.0] } }
+        steps = 5"#;
+    let ring = r#"
+        [[rods]]
+        closed = true
+        shape = { kind = "circle", radius = 3.0 }
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.05 }
+        elements = 48
+        natural = "as-shaped"
+        [[stages]]
+        ramp = { natural = { curvature = [0.2, 0.3] } }
+        steps = 10"#;
+    let curl = r#"
+        [[rods]]
+        shape = { kind = "line", length = 10.0 }
+        section = { bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.05 }
+        elements = 60
+        [[supports]]
+        at = "start"
+        position = true
+        rotation = true
+        [[stages]]
+        ramp = { natural = { curvature = [2.0, 0.0], twist = 0.3 } }
+        steps = 20"#;
+    for text in [rope, ring, curl] {
+        let scene = Scene::from_toml(text, Path::new("")).unwrap();
+        let mut released = Vec::new();
+        let solution = run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
+            released.push(progress.report.energy_released);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        assert_eq!(solution.status, Status::Converged);
+        assert!(released.len() > 5 && released.iter().all(|energy| *energy == 0.0), "{released:?}");
     }
 }

@@ -13,14 +13,18 @@
 //! ```
 //!
 //! A step that ends lower by a tenth of the work, and lower than its own balance, too, has left its branch by a snap. It
-//! has set free E* − E₁. Where a branch bends, as that of a taut rope which is let down, or sharply, as a strut does
-//! that buckles, E* is missed, too, but not the balance, or it is missed on the other side: for a parabola of F, E* − E₁
-//! is −5 times ½ (W₀ + W₁) − (E₁ − E₀).
+//! has set free E* − E₁. Where a branch bends sharply, as that of a strut does that buckles, E* is missed, too, but not
+//! the balance.
 //!
-//! The four numbers E₁ − E₀, W₀, W₁ and ΔW do not tell a small snap from a large curvature: with r = 10, a ring that
-//! loses one of two contacts has those of a smooth parabola of F. So a step that ends lower or higher by a hundredth of
-//! its work, and whose search neither began where the branch leads nor found it unstable there, is doubtful. It is made
-//! again in halves ([`Solver::advance`]), until the branch can be predicted from its own states.
+//! The four numbers E₁ − E₀, W₀, W₁ and ΔW do not tell all snaps from all curvatures. Such steps are made again in
+//! halves ([`Solver::advance`]):
+//! * With r = 10, a ring that loses one of two contacts has the numbers of a smooth parabola of F. So a step too long to
+//!   be predicted that ends lower or higher by a hundredth of its work, and whose search neither began where the branch
+//!   leads nor found it unstable there, is halved until the branch can be predicted from its own states.
+//! * A step that ends far below E*, but above its balance, is that of a smooth branch which bends much, as that of a taut
+//!   rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)), or that of a snap into a
+//!   state of other forces. It is halved [`HALVINGS_OF_A_BEND`] times. A snap sets as much free in a half as in the
+//!   whole; what a smooth branch misses falls eightfold.
 //!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
@@ -52,6 +56,10 @@ const SNAP: f64 = 0.1;
 /// because a doubt costs iterations only: a tenth of what is reported as a snap. A ring that lost one of two contacts
 /// missed it by 0.096.
 const DOUBTFUL: f64 = 0.01;
+
+/// Times that a step is halved which has snapped or bends, because what a smooth branch misses then is a sixteenth, over
+/// its work, and more than sixteen times [`SNAP`] is no bend.
+pub(super) const HALVINGS_OF_A_BEND: usize = 2;
 
 /// Changes that a step prescribes.
 #[derive(Debug)]
@@ -93,20 +101,25 @@ pub(in crate::solve) struct Departure {
 }
 
 impl Departure {
-    /// Whether it is more than a part of the work, and the balance of the step's own forces lacks energy as well.
+    /// Whether it is more than a part of the work.
     fn is_above(&self, part: f64) -> bool {
-        let size = self.released.abs();
-        size > part * self.work + self.rounding && self.gap * self.released.signum() > CLOSED * size
+        self.released.abs() > part * self.work + self.rounding
     }
 
-    /// Whether the branch may be lost, if nothing else is known of the step. A state of another branch may lie higher.
+    /// Whether the branch may be lost, if nothing else is known of the step: neither E* nor the balance of the step's
+    /// own forces is met. A state of another branch may lie higher.
     pub(in crate::solve) fn is_doubtful(&self) -> bool {
-        self.is_above(DOUBTFUL)
+        self.is_above(DOUBTFUL) && self.gap.abs() > CLOSED * self.released.abs()
     }
 
-    /// Energy that the step has set free \[F·L\]; 0 on a branch.
+    /// Energy that the step has set free \[F·L\], where it ends below both; 0 on a branch.
     pub(in crate::solve) fn released(&self) -> f64 {
-        if self.is_above(SNAP) { self.released.max(0.0) } else { 0.0 }
+        if self.is_above(SNAP) && self.gap > CLOSED * self.released { self.released.max(0.0) } else { 0.0 }
+    }
+
+    /// Whether the step ends below E* and above the balance: it has snapped, or its branch bends.
+    pub(in crate::solve) fn snaps_or_bends(&self) -> bool {
+        self.is_above(SNAP) && self.released > 0.0 && -self.gap > CLOSED * self.released
     }
 }
 

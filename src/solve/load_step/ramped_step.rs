@@ -7,6 +7,7 @@ use crate::math::Vec3;
 use crate::math::quaternion::exp;
 use crate::scene::model::{RemainingPath, unit};
 use crate::scene::{NodeRef, Pose, Ramp, Stage, SupportChange};
+use crate::solve::load_step::energy_balance::{Departure, HALVINGS_OF_A_BEND};
 use crate::solve::load_step::guess::Ahead;
 use crate::solve::load_step::predictor::{FARTHEST, History, Prediction};
 use crate::solve::load_step::solver::Solver;
@@ -52,29 +53,35 @@ impl Solver {
         Ok(report)
     }
 
-    /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it might lose
+    /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it may have lost
     /// its branch, or an obstacle might pass a strand.
     pub(in crate::solve) fn advance(&mut self, ramps: &[Ramp], take: f64) -> StepReport {
+        self.advance_halved(ramps, take, 0)
+    }
+
+    /// [`Solver::advance`] of a step that doubts have halved so many times.
+    fn advance_halved(&mut self, ramps: &[Ramp], take: f64, halvings: usize) -> StepReport {
         let start = self.snapshot();
         let target = self.target(ramps, take);
         let leaps = self.leaps(&target);
         let mut spent = 0;
         if !leaps {
-            let (report, is_doubtful) = self.attempt(&target, true);
+            let (report, is_doubtful) = self.attempt(&target, Some(halvings));
             if !is_doubtful {
                 return report;
             }
             spent = report.iterations;
         }
         let (moved, history) = (self.moved.clone(), self.history.clone());
+        let halvings = halvings + usize::from(!leaps);
         let mut parts = match self.restore(start.clone()) {
-            Ok(()) => self.advance(ramps, 0.5 * take),
+            Ok(()) => self.advance_halved(ramps, 0.5 * take, halvings),
             Err(error) => return StepReport::refused(error),
         };
         if parts.status == Status::Converged {
             self.remember(&parts);
             // of the change that is left
-            parts.join(self.advance(ramps, 0.5 * take / (1.0 - 0.5 * take)));
+            parts.join(self.advance_halved(ramps, 0.5 * take / (1.0 - 0.5 * take), halvings));
         }
         parts.iterations += spent;
         if parts.status == Status::Converged {
@@ -88,7 +95,7 @@ impl Solver {
             return parts;
         }
         // as a whole, then
-        let (mut whole, _) = self.attempt(&target, false);
+        let (mut whole, _) = self.attempt(&target, None);
         whole.iterations += parts.iterations;
         whole
     }
@@ -104,9 +111,9 @@ impl Solver {
     }
 
     /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
-    /// Where `doubts` are requested they do not if the step was too long to be predicted and may have lost its branch,
-    /// which the second part of the result says.
-    fn attempt(&mut self, target: &Target, doubts: bool) -> (StepReport, bool) {
+    /// They do not if it is doubtful whether the step, which doubts have halved so many times, has kept its branch: the
+    /// second part of the result says so. Without a number there are no doubts.
+    fn attempt(&mut self, target: &Target, halvings: Option<usize>) -> (StepReport, bool) {
         let lifted = lifted(&self.engine, self.engine.state(), &target.drive);
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &lifted.spun) {
             return (StepReport::refused(error), false);
@@ -131,7 +138,11 @@ impl Solver {
             let departure = balance.map(|(before, end)| before.departure(&end, last));
             let is_on_branch = report.is_predicted() || report.branch_ends;
             let is_too_long = stride.is_some_and(|stride| stride > FARTHEST);
-            if doubts && is_too_long && !is_on_branch && departure.is_some_and(|departure| departure.is_doubtful()) {
+            let is_doubtful = |departure: Departure| {
+                let may_bend = halvings.is_some_and(|halvings| halvings < HALVINGS_OF_A_BEND);
+                is_too_long && !is_on_branch && departure.is_doubtful() || may_bend && departure.snaps_or_bends()
+            };
+            if halvings.is_some() && departure.is_some_and(is_doubtful) {
                 return (report, true);
             }
             report.energy_released = departure.map_or(0.0, |departure| departure.released());

@@ -71,10 +71,12 @@ fn holds_all(engine: &Engine, rod: usize) -> bool {
 
 /// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs
 /// nothing.
-fn slides(engine: &Engine, rod: usize) -> bool {
+fn slides(engine: &Engine, state: &State, rod: usize) -> bool {
     let data = &engine.model.rods[rod];
     let uniform = !matches!(data.natural, Natural::AsShaped | Natural::Varying(_)) && data.stiffness.is_none();
-    data.closed && (spins(engine, rod) || engine.model.planar && uniform)
+    let turns = state.seams[rod] / std::f64::consts::TAU;
+    let is_whole = (turns - turns.round()).abs() <= NOTHING;
+    data.closed && (spins(engine, rod) || uniform && is_whole)
 }
 
 /// Closed, isotropic, naturally straight: spinning about the centreline costs nothing.
@@ -490,7 +492,7 @@ impl ZeroEnergyModes {
         if spins(engine, 0) || zero_energy.held && is_round(engine, 0) {
             motions.push(spin_of(engine, state, 0, engine.nodes(0)));
         }
-        let mut sliding = slides(engine, 0).then(|| motion(engine.nodes(0), |n| sliding_rate(engine, state, n)));
+        let mut sliding = slides(engine, state, 0).then(|| motion(engine.nodes(0), |n| sliding_rate(engine, state, n)));
         let mut least = 0.0;
         if !free {
             let supports = Supports::of(engine, state, &nodes);
@@ -644,7 +646,7 @@ pub(crate) fn generators(engine: &Engine, state: &State) -> Vec<(Generator, Vec<
     if spins(engine, 0) {
         all.push((Generator::Spin, spin_of(engine, state, 0, engine.nodes(0))));
     }
-    if slides(engine, 0) {
+    if slides(engine, state, 0) {
         all.push((Generator::Sliding, motion(engine.nodes(0), |n| sliding_rate(engine, state, n))));
     }
     all

@@ -7,8 +7,8 @@
 
 use super::hinged::part_rotations;
 use super::{
-    Supports, holds_all, is_falling, is_free, is_pushed, is_round, least_size, left_alone, rigid_motions, spin_of, subtract,
-    subtract_force, touched_by,
+    Supports, holds_all, is_falling, is_free, is_pushed, is_round, least_size, left_alone, rigid_motions, spin_of,
+    subtract, subtract_force, touched_by,
 };
 use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
