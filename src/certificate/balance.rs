@@ -34,6 +34,9 @@ const IN_CONTACT: f64 = 1e-4;
 /// Where contact bears a force, over the tolerance of increments: searches end when an increment changes contact forces
 /// by ten times that, of which an iteration that contracts leaves less; ten times that.
 const OF_INCREMENTS: f64 = 100.0;
+/// Rotation, rad, that contact forces cause which searches leave out of balance: those of strands that touch without
+/// load.
+const BENDS_NOTHING: f64 = 1e-6;
 /// Units in the last place by which forces on nodes are rounded: ten of each strain, a sum of that many products, times
 /// the sum of |N_a′| over the elements at a node, up to eight.
 const LAST_PLACES: f64 = 80.0;
@@ -78,8 +81,8 @@ pub(super) fn checks(subject: &Subject) -> Vec<Check> {
     of_nodes.into_iter().chain([of_bodies]).chain(of_joints).chain([energies(subject, &stored)]).collect()
 }
 
-/// The largest force on a node \[F\], and the part of it that may be out of balance. Rounding of forces counts as so
-/// large a force that it is this part of it.
+/// The largest force on a node \[F\], and the part of it that may be out of balance. Rounding of forces, and what bends
+/// no rod, count as so large a force that they are this part of it.
 struct Scale {
     force: f64,
     tolerance: f64,
@@ -101,8 +104,11 @@ impl Scale {
         let tol_increment = subject.given.map_or(0.0, |(given, ..)| given.tol_increment);
         let touches = contact.iter().any(|at| at.force != Vec3::zeros());
         let tolerance = if touches { IN_CONTACT.max(OF_INCREMENTS * tol_increment) } else { FREE };
+        let softest = subject.model.rods.iter().map(|rod| rod.section.smaller_bending() / rod.length.powi(2));
+        let unfelt = if touches { BENDS_NOTHING * softest.fold(f64::INFINITY, f64::min) } else { 0.0 };
         // forces that are all rounding balance to rounding; strains of increments are squared
-        Self { force: force + (rounding + tol_increment * tol_increment * stiffest) / tolerance, tolerance }
+        let nothing = rounding + unfelt + tol_increment * tol_increment * stiffest;
+        Self { force: force + nothing / tolerance, tolerance }
     }
 }
 
@@ -145,18 +151,9 @@ fn sense(shape: &[Vec3]) -> f64 {
     shape.iter().zip(next).map(|(a, b)| (a - shape[0]).cross(&(b - a)).z).sum::<f64>().signum()
 }
 
-/// Reactions, once for nodes that share them, and forces of joints.
+/// Reactions and forces of joints.
 fn add_reactions(subject: &Subject, first: &[usize], out: &mut NodalForces) {
-    let (mut held, mut turned): (Vec<NodeRef>, Vec<NodeRef>) = Default::default();
-    for at in subject.reactions {
-        let force = if held.contains(&at.node) { Vec3::zeros() } else { at.force };
-        let moment = if turned.contains(&at.node) { Vec3::zeros() } else { at.moment };
-        let spacing = subject.model.rods[at.node.rod].spacing();
-        out.add(first[at.node.rod] + at.node.node, force, moment, spacing);
-        held.extend(subject.model.joined_nodes(at.node));
-        turned.extend(subject.model.turning_nodes(at.node));
-    }
-    for at in subject.joints {
+    for at in subject.reactions.iter().chain(subject.joints) {
         let spacing = subject.model.rods[at.node.rod].spacing();
         out.add(first[at.node.rod] + at.node.node, at.force, at.moment, spacing);
     }

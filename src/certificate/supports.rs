@@ -165,6 +165,12 @@ impl Due {
             let (position, frame) = *given.held.get(&node)?;
             (self.position, self.frame, self.is_moved) = (position, frame, true);
         }
+        for change in &stage.supports {
+            let SupportChange::Hold(support) = change else { continue };
+            let [places, frames] = given.model.moved_with(support);
+            self.displaced = if places.contains(&node) { Vec3::zeros() } else { self.displaced };
+            self.turned = if frames.contains(&node) { 0.0 } else { self.turned };
+        }
         for ramp in &stage.ramps {
             match ramp {
                 Ramp::Displacement { node: at, to } if joined.contains(at) => {

@@ -9,7 +9,7 @@ use crate::contact::law::Law;
 use crate::math::Vec3;
 use crate::math::link::{link_numbers, link_of_ends};
 use crate::rod::{ElasticEnergies, Rod};
-use crate::scene::NodeRef;
+use crate::scene::{NodeRef, Support};
 use crate::solve::problem::assembly::{Potential, Residual};
 use crate::solve::problem::bend::Bend;
 use crate::solve::problem::contact_side::ContactSide;
@@ -410,43 +410,58 @@ fn contact_gap(engine: &Engine) -> Option<GapReport> {
     })
 }
 
-/// In equilibrium the gradient of the potential vanishes except in supported components, where it is the reaction.
+/// In equilibrium the gradient of the potential vanishes except in supported components, where it is the reaction. Of
+/// several joined nodes that are supported each bears what its own rod needs; the first bears what rods without a
+/// support there need, too.
 fn reactions(engine: &Engine, residual: &Residual) -> Vec<Reaction> {
-    let nodes: BTreeSet<NodeRef> = engine.model().supports.iter().map(|support| support.node).collect();
+    let model = engine.model();
+    let nodes: BTreeSet<NodeRef> = model.supports.iter().map(|support| support.node).collect();
+    let of_each = if model.joints.is_empty() { Vec::new() } else { engine.forces_on_nodes(engine.state()) };
     let reaction = |node: NodeRef| {
         let owner = &engine.sharing.owner[engine.index(node)];
-        let gradient: [f64; 6] = std::array::from_fn(|k| residual.gradient[6 * owner[if k < 3 { k } else { 5 }] + k]);
-        let (position, rotation) = engine.model().fixed(node);
+        let (position, rotation) = model.fixed(node);
         // where rotation about one axis is held the moment is about a direction between it and where it was tilted to
-        let is_swivel = rotation.iter().filter(|held| **held).count() == 1 && !engine.model().planar;
+        let is_swivel = rotation.iter().filter(|held| **held).count() == 1 && !model.planar;
+        let together = [model.joined_nodes(node), model.turning_nodes(node)];
+        let holds = |at: &NodeRef, k: usize| {
+            let of_support = |support: &Support| match k {
+                0..3 => support.position[k],
+                _ => support.rotation[k - 3] || is_swivel && support.rotation.contains(&true),
+            };
+            model.supports.iter().filter(|support| support.node == *at).any(of_support)
+        };
+        let component = |k: usize| {
+            let total = residual.gradient[6 * owner[if k < 3 { k } else { 5 }] + k];
+            let others: Vec<NodeRef> =
+                together[k / 3].iter().filter(|at| **at != node && holds(at, k)).copied().collect();
+            let own = |at: NodeRef| of_each[6 * engine.index(at) + k];
+            match others.iter().min() {
+                None => total,
+                Some(_) if !holds(&node, k) => 0.0,
+                Some(first) if *first < node => own(node),
+                Some(_) => total - others.iter().map(|at| own(*at)).sum::<f64>(),
+            }
+        };
         Reaction {
             rod: node.rod,
             node: node.node,
-            force: std::array::from_fn(|k| if position[k] { gradient[k] } else { 0.0 }),
-            moment: std::array::from_fn(|k| if rotation[k] || is_swivel { gradient[3 + k] } else { 0.0 }),
+            force: std::array::from_fn(|k| if position[k] { component(k) } else { 0.0 }),
+            moment: std::array::from_fn(|k| if rotation[k] || is_swivel { component(3 + k) } else { 0.0 }),
         }
     };
     nodes.into_iter().map(reaction).collect()
 }
 
-/// What joints exert on each of their nodes: all that is exerted there but reactions of supports. Joined nodes have the
-/// reaction of their support in common, so it counts for one of them.
+/// What joints exert on each of their nodes: all that is exerted there but reactions of supports.
 fn joint_forces(engine: &Engine, reactions: &[Reaction]) -> Vec<JointForce> {
     let model = engine.model();
     if model.joints.is_empty() {
         return Vec::new();
     }
     let mut forces = engine.forces_on_nodes(engine.state());
-    let (mut held, mut turned) = (BTreeSet::new(), BTreeSet::new());
     for at in reactions {
-        let node = NodeRef { rod: at.rod, node: at.node };
-        let first = 6 * engine.index(node);
-        if held.insert(model.joined_nodes(node).into_iter().min()) {
-            (0..3).for_each(|k| forces[first + k] -= at.force[k]);
-        }
-        if turned.insert(model.turning_nodes(node).into_iter().min()) {
-            (0..3).for_each(|k| forces[first + 3 + k] -= at.moment[k]);
-        }
+        let first = 6 * engine.index(NodeRef { rod: at.rod, node: at.node });
+        at.force.iter().chain(&at.moment).enumerate().for_each(|(k, of_support)| forces[first + k] -= of_support);
     }
     let mut all = Vec::new();
     let nodes: BTreeSet<NodeRef> = model.joints.iter().flat_map(|joint| [joint.a, joint.b]).collect();

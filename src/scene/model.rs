@@ -304,7 +304,8 @@ pub enum Ramp {
         node: NodeRef,
         /// Axis (need not be unit), global.
         axis: Vec3,
-        /// Total angle turned at the end of the stage since the start of the run, turns.
+        /// Total angle turned at the end of the stage since the start of the run, or since a stage held the node's
+        /// rotation, turns.
         to: f64,
     },
     /// Rotates a node (whose position and rotation a support fixes) about an axis through a point, with its frame:
@@ -317,14 +318,16 @@ pub enum Ramp {
         axis: Vec3,
         /// A point p on the axis \[L\].
         through: Vec3,
-        /// Total angle turned at the end of the stage since the start of the run, turns.
+        /// Total angle turned at the end of the stage since the start of the run, or since a stage held the node's
+        /// rotation, turns.
         to: f64,
     },
     /// Moves a node (whose position a support fixes) along a straight line, and the nodes that are joined to it.
     Displacement {
         /// The supported node.
         node: NodeRef,
-        /// Total displacement at the end of the stage since the start of the run \[L\].
+        /// Total displacement at the end of the stage since the start of the run, or since a stage held the node's
+        /// position \[L\].
         to: Vec3,
     },
     /// Moves a node (whose position and rotation supports fix entirely) to a pose, in steps that rotate it by at most
@@ -490,6 +493,14 @@ impl Model {
     /// The node and all nodes that joints connect it to.
     pub(crate) fn joined_nodes(&self, node: NodeRef) -> Vec<NodeRef> {
         self.nodes_joined_by(node, |_| true)
+    }
+
+    /// Nodes whose displacement, and whose turns, count from where a support of a stage holds them: those joined to its
+    /// own, if it holds position, and those that turn with it, if it holds rotation.
+    pub(crate) fn moved_with(&self, support: &Support) -> [Vec<NodeRef>; 2] {
+        let (joined, turning) = (self.joined_nodes(support.node), self.turning_nodes(support.node));
+        let of = |held: [bool; 3], nodes| if held.contains(&true) { nodes } else { Vec::new() };
+        [of(support.position, joined), of(support.rotation, turning)]
     }
 
     /// The node and all nodes that rigid joints connect it to: they share all rotation.

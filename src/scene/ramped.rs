@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 
-use super::model::{Model, NodeRef, ObstacleNumber, Ramp, Stage};
+use super::model::{Model, NodeRef, ObstacleNumber, Ramp, Stage, Support, SupportChange};
 use crate::rod::RodNumber;
 
 /// A prescribed quantity along the path.
@@ -12,17 +12,15 @@ pub struct Prescribed {
     pub name: String,
     /// Unit: "turns", "L" a length, "F/L" …; empty for a plain number.
     pub unit: &'static str,
-    /// Value at the start.
-    start: f64,
-    /// Value at the end of each stage.
-    ends: Vec<f64>,
+    /// Values at the start and at the end of each stage. That of a motion begins at 0 where a stage holds its node.
+    spans: Vec<[f64; 2]>,
 }
 
 impl Prescribed {
     /// Value at a fraction of a stage.
     pub fn at(&self, stage: usize, fraction: f64) -> f64 {
-        let before = stage.checked_sub(1).and_then(|k| self.ends.get(k)).copied().unwrap_or(self.start);
-        let to = self.ends.get(stage).copied().unwrap_or(before);
+        let last = self.spans.last().map_or(0.0, |[_, to]| *to);
+        let [before, to] = self.spans.get(stage).copied().unwrap_or([last; 2]);
         // + 0.0 turns −0 into 0
         before + (to - before) * fraction + 0.0
     }
@@ -43,18 +41,39 @@ pub fn place_name(model: &Model, node: NodeRef) -> String {
 pub fn prescribed(model: &Model, stages: &[Stage]) -> Vec<Prescribed> {
     let mut all: Vec<Prescribed> = Vec::new();
     for (k, stage) in stages.iter().enumerate() {
+        let anew = counted_anew(model, stage);
+        let from = |known: &Prescribed| match anew.iter().any(|motion| known.name.starts_with(motion)) {
+            true => 0.0,
+            false => known.spans.last().map_or(0.0, |[_, to]| *to),
+        };
         for (name, unit, start, to) in stage.ramps.iter().flat_map(|ramp| numbers(model, ramp)) {
             let index = all.iter().position(|known| known.name == name).unwrap_or_else(|| {
-                all.push(Prescribed { name, unit, start, ends: vec![start; k] });
+                all.push(Prescribed { name, unit, spans: vec![[start; 2]; k] });
                 all.len() - 1
             });
-            all[index].ends.push(to);
+            let before = if k == 0 { start } else { from(&all[index]) };
+            all[index].spans.push([before, to]);
         }
-        for known in all.iter_mut().filter(|known| known.ends.len() == k) {
-            known.ends.push(known.ends.last().copied().unwrap_or(known.start));
+        for known in all.iter_mut().filter(|known| known.spans.len() == k) {
+            known.spans.push([from(known); 2]);
         }
     }
     all
+}
+
+/// Names of the motions of nodes that a stage holds: they count from there.
+fn counted_anew(model: &Model, stage: &Stage) -> Vec<String> {
+    let held = stage.supports.iter().filter_map(|change| match change {
+        SupportChange::Hold(support) => Some(support),
+        SupportChange::Release(_) => None,
+    });
+    let names = |support: &Support| {
+        let name = |what: &'static str| move |node: NodeRef| format!("{}_{what}", place_name(model, node));
+        let [places, frames] = model.moved_with(support);
+        let turns = frames.iter().copied().flat_map(|node| [name("turned")(node), name("extra_turns")(node)]);
+        places.iter().copied().map(name("displaced")).chain(turns).collect::<Vec<_>>()
+    };
+    held.flat_map(names).collect()
 }
 
 type Number = (String, &'static str, f64, f64);
@@ -121,4 +140,36 @@ pub fn axis_of(stages: &[Stage], at: NodeRef) -> Option<Vec3> {
         }
         _ => None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
+
+    /// Motions count from where a stage holds their node, loads do not.
+    #[test]
+    fn values_go_on_from_stage_to_stage() {
+        let section = Section::isotropic(1.0, 1.0, 1e4, 1e4, 0.0);
+        let line = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+        let rod = Rod::new("rod", &line, RodMesh::open(2, 3), section, Natural::Straight).unwrap();
+        let model = Model { rods: vec![rod], ..Model::default() };
+        let node = NodeRef { rod: 0, node: 6 };
+        let ramps = |x: f64, to: f64, load: f64| {
+            let turn = Ramp::Rotation { node, axis: Vec3::x(), to };
+            vec![Ramp::Displacement { node, to: Vec3::x() * x }, turn, Ramp::Load { to: load }]
+        };
+        let hold = |support| Stage { supports: vec![SupportChange::Hold(support)], ..Stage::new(Vec::new(), 1) };
+        let stages =
+            [Stage::new(ramps(0.5, 0.25, 2.0), 1), hold(Support::pin(node)), Stage::new(ramps(0.25, 0.5, 3.0), 1)];
+        let of = |stages: &[Stage], name: &str| {
+            let found = prescribed(&model, stages).into_iter().find(|quantity| quantity.name == name).unwrap();
+            [(0, 0.5), (1, 0.0), (1, 1.0), (2, 0.5), (2, 1.0)].map(|(stage, fraction)| found.at(stage, fraction))
+        };
+        assert_eq!(of(&stages, "end_displaced_x"), [0.25, 0.0, 0.0, 0.125, 0.25]);
+        assert_eq!(of(&stages, "end_turned"), [0.125, 0.25, 0.25, 0.375, 0.5]);
+        assert_eq!(of(&stages, "load"), [0.5 * (model.load + 2.0), 2.0, 2.0, 2.5, 3.0]);
+        let clamped = [stages[0].clone(), hold(Support::clamp(node)), stages[2].clone()];
+        assert_eq!(of(&clamped, "end_turned"), [0.125, 0.0, 0.0, 0.25, 0.5]);
+    }
 }

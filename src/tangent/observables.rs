@@ -101,6 +101,16 @@ impl Observable {
             Self::Position { node, axis } => is_node(node) && *axis < 3,
             Self::Reaction { node, component } => is_node(node) && *component < 6,
         };
+        if let Self::Reaction { node, .. } = self
+            && is_node(node)
+        {
+            let supported = |at: &NodeRef| engine.model().supports.iter().any(|support| support.node == *at);
+            let shared = engine.model().joined_nodes(*node).iter().filter(|at| supported(at)).count() > 1;
+            let reason = "is shared by supports of joined nodes: let one of them bear it";
+            if shared {
+                return Err(InputError::inconsistent(format!("{self:?}"), reason));
+            }
+        }
         let reason = "is no number of this model: twist is that of rods in space, writhe and seam moment are those of \
                       closed rods, extension is that of open ones";
         if fits { Ok(()) } else { Err(InputError::inconsistent(format!("{self:?}"), reason)) }

@@ -16,11 +16,12 @@ use crate::common;
 
 use common::{history, observed};
 use std::ops::ControlFlow;
+use std::path::Path;
 use supercoil::math::{Quat, Vec3};
 use supercoil::rod::{Natural, Rod, RodMesh, Section, Shape};
 
 use supercoil::observe::observe;
-use supercoil::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Pose, PosePath, Ramp, Stage, Support};
+use supercoil::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Pose, PosePath, Ramp, Scene, Stage, Support};
 use supercoil::solve::{FollowOptions, Options, Solver, Status, run};
 
 const STEPS: [usize; 5] = [1, 2, 3, 5, 6];
@@ -248,5 +249,55 @@ fn pins_and_poses_move() {
         let pose = Pose { position: Some(Vec3::x() + by), frame: Some(frame), path, turns: None, half_turn };
         let [(r, q), (s, _)] = run(model, &[Ramp::Pose { node: a, pose }]);
         assert!((r - Vec3::x() - by).norm() < 1e-12 && r == s && q.angle_to(&frame) < 1e-12, "{r} {s}");
+    }
+}
+
+/// Reactions sum to what rods bear, also where several joined nodes are supported. Symptom: each of them was told the
+/// reaction of all, so that two rods of weight 1 stood on 4. Each bears what its own rod needs, the first what rods
+/// without a support there need, too; whichever components they hold.
+#[test]
+fn supports_of_joined_nodes_share_the_reaction() {
+    let clamp = "position = true\nrotation = true";
+    let (along, across) = ("position = [\"x\", \"y\"]\nrotation = true", "position = [\"y\", \"z\"]");
+    for (supports, expected) in [
+        (vec![("a", clamp)], vec![3.0]),
+        (vec![("a", clamp), ("b", clamp)], vec![2.0, 1.0]),
+        (vec![("b", clamp), ("c", clamp)], vec![2.0, 1.0]),
+        (vec![("a", clamp), ("b", clamp), ("c", clamp)], vec![1.0; 3]),
+        (vec![("a", along), ("b", across)], vec![0.0, 3.0]),
+    ] {
+        let mut text = "gravity = [0, 0, -9.81]\n".to_owned();
+        for (name, way) in [("a", "[1, 0, 0]"), ("b", "[0, 1, 0]"), ("c", "[-1, 0, 0]")] {
+            text += &format!(
+                "[[rods]]\nname = \"{name}\"\nshape = {{ kind = \"line\", direction = {way}, length = 1.0 }}\n\
+                 section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.01 }}\n\
+                 elements = 4\nweight = 1.0\n"
+            );
+        }
+        for other in ["b", "c"] {
+            let ends = ["a", other].map(|rod| format!("{{ rod = \"{rod}\", at = \"start\" }}"));
+            text += &format!("[[joints]]\nkind = \"rigid\"\na = {}\nb = {}\n", ends[0], ends[1]);
+        }
+        for (rod, holds) in &supports {
+            text += &format!("[[supports]]\nrod = \"{rod}\"\nat = \"start\"\n{holds}\n");
+        }
+        let scene = Scene::from_toml(&text, Path::new("")).unwrap();
+        let mut last = None;
+        let solution = run(scene.model, &scene.stages, &Options::default(), &mut |progress| {
+            last = Some(observe(progress));
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        let last = last.unwrap();
+        assert_eq!((solution.status, last.status.as_str()), (Status::Converged, "converged"), "{:?}", last.certificate);
+        let vertical: Vec<f64> = last.reactions.iter().map(|reaction| reaction.force[2]).collect();
+        let near = |(found, expected): (&f64, &f64)| (found - expected).abs() < 1e-9;
+        assert!(
+            vertical.len() == expected.len() && vertical.iter().zip(&expected).all(near),
+            "{supports:?} {vertical:?}"
+        );
+        // the arms along x balance each other, that along y turns by its weight times half its length
+        let about: [f64; 2] = std::array::from_fn(|k| last.reactions.iter().map(|reaction| reaction.moment[k]).sum());
+        assert!(about[1].abs() < 1e-9 && (about[0] - 0.5).abs() < 0.02, "{supports:?} {about:?}");
     }
 }

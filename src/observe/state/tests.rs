@@ -44,7 +44,7 @@ fn scene() -> (Model, Vec<Stage>) {
     let clamps = [(UPPER, 0), (UPPER, 18), (LOWER, 0), (LOWER, 18), (ARM, 0)];
     let supports = clamps.map(|(rod, at)| Support::clamp(node(rod, at))).to_vec();
     let joints = vec![Joint::rigid(node(ARM, 18), node(HAND, 0))];
-    let loads = vec![NodeLoad { node: node(UPPER, 4), force: Vec3::new(0.0, 2.0, -1.0), moment: Vec3::y() * 0.1 }];
+    let loads = vec![NodeLoad { node: node(UPPER, 4), force: Vec3::new(0.0, 2.0, -1.0), moment: Vec3::zeros() }];
     let down = |at| Ramp::Displacement { node: node(UPPER, at), to: -Vec3::z() * 0.04 };
     let turn = Ramp::Rotation { node: node(LOWER, 18), axis: Vec3::new(0.3, 1.0, 0.0), to: 0.05 };
     let link = Ramp::ExcessLink { rod: RING, to: 0.25 };
@@ -182,7 +182,8 @@ fn each_broken_promise_fails_its_check_and_no_other() {
     assert_eq!(rest.failing(|_, seen| seen.knots.iter_mut().for_each(|k| k.name = "3_1".to_owned())), ["topology"]);
 }
 
-/// Without contact what a search leaves is rounding, and a hundred-thousandth of a force is seen.
+/// Without contact what a search leaves is rounding, and a hundred-thousandth of a force is seen. Moments of fixed
+/// direction in space have no potential by which stability could be judged.
 #[test]
 fn without_contact_balance_is_sharp() {
     let rods = vec![line("arm", [0.0; 3], Vec3::x(), RADIUS)];
@@ -192,6 +193,7 @@ fn without_contact_balance_is_sharp() {
     let rest = at_rest(model, &[Stage::new(vec![Ramp::Load { to: 1.0 }], 3)]);
     let broken = rest.failing(|_, seen| seen.reactions[0].force[1] *= 1.0 + 1e-5);
     assert_eq!(broken, ["balance of nodes", "balance of bodies"]);
+    assert_eq!(rest.failing(|_, seen| seen.num_unstable = 1), Vec::<String>::new());
 }
 
 /// Without contact strands may pass through each other, and a knot may slip off an open rod: that is noted, and no

@@ -23,9 +23,9 @@ pub struct Pose {
     pub frame: Option<Quat>,
     /// The path of the position.
     pub path: PosePath,
-    /// Whole turns about d3 at the end of the stage, since the start of the run, in all (those of
-    /// [`super::Ramp::Rotation`] included); `None`: unchanged. They do not change the final frame, but the link of the
-    /// rod.
+    /// Whole turns about d3 at the end of the stage, since the start of the run, or since a stage held the node's
+    /// rotation, in all (those of [`super::Ramp::Rotation`] included); `None`: unchanged. They do not change the final
+    /// frame, but the link of the rod.
     pub turns: Option<f64>,
     /// Side that selects one of two half turns; zero: the one whose axis has its largest component positive.
     pub half_turn: Vec3,

@@ -40,6 +40,7 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target};
 use crate::solve::problem::state::{PrescribedValue, State};
+use crate::solve::search::contact_balance::bends_nothing;
 
 /// Part of the change of numbers in a central difference of the potential, because the third derivative counts by its
 /// square, 1e-6, and rounding is divided by no less.
@@ -164,13 +165,15 @@ impl Solver {
         let elastic = residual.potential.elastic.total();
         let kept = if is_penalty { residual.potential.contact } else { 0.0 };
         let energy = elastic + residual.potential.electrostatic + residual.potential.load + kept;
-        let work = work_of_motions(engine, &residual, changes)
-            + work_of_contact(engine, &residual, changes)
-            + work_of_numbers(engine, &state, changes);
+        let of_contact = work_of_contact(engine, &residual, changes);
+        let work = work_of_motions(engine, &residual, changes) + of_contact + work_of_numbers(engine, &state, changes);
+        // a search does not balance such forces
+        let of_nothing = if bends_nothing(engine, &residual) { of_contact.abs() } else { 0.0 };
         // a rod without forces stores nothing, and knows its bends to rounding all the same
         let bent: f64 = engine.model.rods.iter().map(|rod| rod.section.smaller_bending() / rod.length).sum();
         let stored = elastic + residual.potential.electrostatic + bent;
-        Some(Balance { energy, work, rounding: ROUNDING * stored + rounding_of_reactions(engine, changes) })
+        let rounding = ROUNDING * stored + of_nothing + rounding_of_reactions(engine, changes);
+        Some(Balance { energy, work, rounding })
     }
 }
 

@@ -42,6 +42,7 @@ impl Solver {
         }
         self.change_supports(&stage.supports)
             .map_err(|error| InputError::Inconsistent { field: "ramp".to_owned(), reason: error.to_string() })?;
+        self.count_motions_anew(&stage.supports);
         self.note_numbers(ramps);
         let round = self.largest_round(ramps);
         let allowed = "at most Ramp::MAX_ROUND (1/12) from where it is: go in more steps";
@@ -301,6 +302,22 @@ impl Solver {
         self.engine.find_unknowns();
         self.history = History::default();
         self.forget_path()
+    }
+
+    /// Counts displacements and turns from here of nodes that a stage holds, before its first step.
+    pub(in crate::solve) fn count_motions_anew(&mut self, changes: &[SupportChange]) {
+        for change in changes {
+            let SupportChange::Hold(support) = change else { continue };
+            let [places, frames] = self.engine.model.moved_with(support);
+            for node in places {
+                self.moved.displaced.remove(&self.engine.index(node));
+            }
+            for node in frames {
+                self.moved.turned.remove(&self.engine.index(node));
+            }
+            // states before do not lie on one line with those to come
+            self.history = History::default();
+        }
     }
 
     /// Where a step leads that changes numbers: nowhere by itself, supports move as prescribed.

@@ -229,6 +229,7 @@ impl LoadStepping<'_, '_> {
         let mut size = self.place.step_size.min(full);
         self.solver.change_supports(&stage.supports)?;
         if self.place.fraction == 0.0 {
+            self.solver.count_motions_anew(&stage.supports);
             self.given.note_held(&stage.supports, &self.solver.engine);
         }
         self.solver.note_numbers(&stage.ramps);

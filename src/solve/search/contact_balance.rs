@@ -41,7 +41,11 @@ impl Workspace {
 /// Whether a step is far below the tolerance of increments, and contact forces bend no rod: forces of strands that
 /// touch without load are rounding, and never converge.
 pub(super) fn is_light(engine: &Engine, residual: &Residual, size: f64, tol_increment: f64) -> bool {
+    size <= FAR_BELOW * tol_increment && bends_nothing(engine, residual)
+}
+
+/// Whether contact forces bend no rod.
+pub(in crate::solve) fn bends_nothing(engine: &Engine, residual: &Residual) -> bool {
     // rotations that the largest contact force causes, F L²/B
-    let bends = residual.largest_contact_force() * engine.scales.length.powi(2) / engine.scales.bending;
-    size <= FAR_BELOW * tol_increment && bends <= BENDS_NOTHING
+    residual.largest_contact_force() * engine.scales.length.powi(2) / engine.scales.bending <= BENDS_NOTHING
 }

@@ -12,7 +12,7 @@
 //! | `stability` | unstable directions of a state |
 //! | `interrupt`, `timing` | a request to stop; where the time went |
 
-mod contact_balance;
+pub(in crate::solve) mod contact_balance;
 mod equilibrate;
 pub(in crate::solve) mod interrupt;
 pub(in crate::solve) mod newton;

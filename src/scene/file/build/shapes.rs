@@ -66,7 +66,9 @@ pub(super) fn shape(text: &ShapeText, base_dir: &Path, wound: &Wound) -> Result<
             InputError::positive("shape.length", length)?;
             let start: Vec3 = start.into();
             let tied = overhand(length / radius, half_turns)?;
-            Shape::Points(tied.into_iter().map(|point| start + point * radius).collect())
+            // the curve through the points is longer than their chords, by some parts in ten thousand
+            let scale = length / Shape::Points(tied.clone()).place(false, 2 * tied.len())?.length;
+            Shape::Points(tied.into_iter().map(|point| start + point * scale).collect())
         }
         ShapeText::Plectoneme { .. } => plectoneme(text, base_dir, wound)?,
         ShapeText::TorusKnot { length, windings: List(windings), aspect, phase, center, normal } => {

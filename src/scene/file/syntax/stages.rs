@@ -25,7 +25,7 @@ pub(in super::super) struct StageText {
     /// `release`.
     #[serde(default, deserialize_with = "table")]
     pub ramp: RampText,
-    /// Nodes held from the beginning of the stage on, where they then are.
+    /// Nodes held from the beginning of the stage on, where they then are: their displacement and turns count from there.
     #[serde(default, deserialize_with = "tables")]
     pub hold: Vec<SupportText>,
     /// Components of nodes let go from the beginning of the stage on.
@@ -188,7 +188,8 @@ pub(in super::super) struct RotationText {
     /// A point of the axis: nodes are carried round together.
     #[schemars(extend("x-unit" = "L", "x-allowed" = "position held", "x-default" = "in place"))]
     pub through: Option<List<f64, 3>>,
-    /// Turns in all since the start of the run, where rods are relaxed unless they were given twist.
+    /// Turns in all since the start of the run, where rods are relaxed unless they were given twist, or since a stage
+    /// held the node's rotation.
     #[schemars(extend("x-unit" = "turns", "x-allowed" = "with `through` at most 100 000"))]
     pub turns: f64,
 }
@@ -203,7 +204,7 @@ pub(in super::super) struct DisplacementText {
     /// Node that moves.
     #[schemars(extend("x-allowed" = "position held"))]
     pub at: At,
-    /// Displacement in all since the start of the run.
+    /// Displacement in all since the start of the run, or since a stage held the node's position.
     #[schemars(extend("x-unit" = "L"))]
     pub to: List<f64, 3>,
 }
@@ -236,7 +237,8 @@ pub(in super::super) struct PoseText {
     /// Way of the position; the frame takes the shortest turn on either.
     #[serde(default)]
     pub path: PathText,
-    /// Whole turns about the rod's own tangent on top, in all since the start of the run: link put in.
+    /// Whole turns about the rod's own tangent on top, in all since the start of the run, or since a stage held the
+    /// node's rotation: link put in.
     #[schemars(extend("x-value" = "integer", "x-allowed" = "open rods", "x-default" = "as before"))]
     pub extra_turns: Option<f64>,
 }
