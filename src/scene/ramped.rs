@@ -47,6 +47,10 @@ pub fn prescribed(model: &Model, stages: &[Stage]) -> Vec<Prescribed> {
             false => known.spans.last().map_or(0.0, |[_, to]| *to),
         };
         for (name, unit, start, to) in stage.ramps.iter().flat_map(|ramp| numbers(model, ramp)) {
+            // components of displacements that no stage so far has moved
+            if name.contains("_displaced_") && to == start && all.iter().all(|known| known.name != name) {
+                continue;
+            }
             let index = all.iter().position(|known| known.name == name).unwrap_or_else(|| {
                 all.push(Prescribed { name, unit, spans: vec![[start; 2]; k] });
                 all.len() - 1
@@ -90,10 +94,9 @@ fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
             vec![(format!("{}_turned", place_name(model, *node)), "turns", 0.0, *to)]
         }
         Ramp::Displacement { node, to } => {
-            let moved: Vec<usize> = (0..3).filter(|&k| to[k] != 0.0).collect();
             let place = place_name(model, *node);
             let axis = |k: usize| (format!("{place}_displaced_{}", ["x", "y", "z"][k]), "L", 0.0, to[k]);
-            moved.into_iter().map(axis).collect()
+            (0..3).map(axis).collect()
         }
         Ramp::Obstacle { obstacle, which, to } => {
             let obstacle = &model.obstacles[*obstacle];
@@ -119,7 +122,9 @@ fn numbers(model: &Model, ramp: &Ramp) -> Vec<Number> {
 /// Name of the first number that a ramp moves, as a column of tables; none for link, poses without extra turns and
 /// supports.
 pub fn ramped_name(model: &Model, ramp: &Ramp) -> Option<String> {
-    numbers(model, ramp).into_iter().next().map(|(name, ..)| name)
+    let mut numbers = numbers(model, ramp);
+    let moved = numbers.iter().position(|(_, _, start, to)| to != start).unwrap_or(0);
+    (!numbers.is_empty()).then(|| numbers.swap_remove(moved).0)
 }
 
 fn unit_of(which: RodNumber) -> &'static str {
@@ -168,6 +173,9 @@ mod tests {
         };
         assert_eq!(of(&stages, "end_displaced_x"), [0.25, 0.0, 0.0, 0.125, 0.25]);
         assert_eq!(of(&stages, "end_turned"), [0.125, 0.25, 0.25, 0.375, 0.5]);
+        let back = [stages[0].clone(), Stage::new(ramps(0.0, 0.0, 2.0), 1), stages[2].clone()];
+        assert_eq!(of(&back, "end_displaced_x"), [0.25, 0.5, 0.0, 0.125, 0.25]);
+        assert!(prescribed(&model, &stages).iter().all(|quantity| quantity.name != "end_displaced_y"));
         assert_eq!(of(&stages, "load"), [0.5 * (model.load + 2.0), 2.0, 2.0, 2.5, 3.0]);
         let clamped = [stages[0].clone(), hold(Support::clamp(node)), stages[2].clone()];
         assert_eq!(of(&clamped, "end_turned"), [0.125, 0.0, 0.0, 0.25, 0.5]);

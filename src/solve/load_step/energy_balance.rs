@@ -21,10 +21,10 @@
 //! * With r = 10, a ring that loses one of two contacts has the numbers of a smooth parabola of F. So a step too long to
 //!   be predicted that ends lower or higher by a hundredth of its work, and whose search neither began where the branch
 //!   leads nor found it unstable there, is halved until the branch can be predicted from its own states.
-//! * A step that ends far below E*, but above its balance, is that of a smooth branch which bends much, as that of a taut
-//!   rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)), or that of a snap into a
-//!   state of other forces. It is halved [`HALVINGS_OF_A_BEND`] times. A snap sets as much free in a half as in the
-//!   whole; what a smooth branch misses falls eightfold.
+//! * A step that ends far below E*, but not clearly below its balance, is that of a branch which bends much, as that of a
+//!   taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)) or of a ring that
+//!   buckles, or that of a snap into a state of other forces. It is halved [`HALVINGS_OF_A_BEND`] times. A snap sets as
+//!   much free in a half as in the whole; what a smooth branch misses falls eightfold.
 //!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
@@ -42,13 +42,17 @@ use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target}
 use crate::solve::problem::state::{PrescribedValue, State};
 use crate::solve::search::contact_balance::bends_nothing;
 
-/// Part of the change of numbers in a central difference of the potential, because the third derivative counts by its
-/// square, 1e-6, and rounding is divided by no less.
+/// Part of the change of numbers in central differences of the potential, because the fifth derivative counts by its
+/// fourth power, 1e-12, and rounding is divided by no less.
 const DIFFERENCE: f64 = 1e-3;
 
 /// Part of the energy set free by which the balance of a step's own forces is open at least, because it is 0.11 where a
 /// ring of DNA unfolds and 0.46 where it supercoils, and 0.03 in the step after a loop has buckled.
 const CLOSED: f64 = 0.05;
+
+/// The same of a step that has clearly snapped, because it is up to 0.1 where a ring buckles under pressure without a
+/// snap, in steps of a sixth of the critical one.
+const CLEAR: f64 = 0.25;
 
 /// Part of its work by which a step ends below its branch at least if it is reported as a snap, because steps that bend
 /// sharply miss their branch by a few hundredths.
@@ -118,9 +122,10 @@ impl Departure {
         if self.is_above(SNAP) && self.gap > CLOSED * self.released { self.released.max(0.0) } else { 0.0 }
     }
 
-    /// Whether the step ends below E* and above the balance: it has snapped, or its branch bends.
+    /// Whether the step ends below E*, but not clearly below the balance: it has snapped, or its branch bends.
     pub(in crate::solve) fn snaps_or_bends(&self) -> bool {
-        self.is_above(SNAP) && self.released > 0.0 && -self.gap > CLOSED * self.released
+        let is_open = self.gap.abs() > CLOSED * self.released && self.gap < CLEAR * self.released;
+        self.is_above(SNAP) && self.released > 0.0 && is_open
     }
 }
 
@@ -229,7 +234,8 @@ fn work_of_contact(engine: &Engine, residual: &Residual, changes: &Changes) -> f
     pairs.chain(obstacles).fold(0.0, |sum, work| sum + work)
 }
 
-/// Of load factors, pressures and numbers of rods: central difference of the potential at a fixed configuration.
+/// Of load factors, pressures and numbers of rods: central differences of the potential at a fixed configuration. The
+/// third derivative is left out: that of a stiff rod by its length is far larger than what bends store.
 fn work_of_numbers(engine: &mut Engine, state: &State, changes: &Changes) -> f64 {
     let Changes { from, to, .. } = changes;
     let numbers: Vec<_> = changes.numbers().collect();
@@ -249,6 +255,7 @@ fn work_of_numbers(engine: &mut Engine, state: &State, changes: &Changes) -> f64
         }));
         engine.potential_without_contact(&moved)
     };
-    // the third derivative counts by the square of this, 1e-6, and rounding is divided by no less
-    (at(DIFFERENCE) - at(-DIFFERENCE)) / (2.0 * DIFFERENCE)
+    let mut difference = |part: f64| (at(part) - at(-part)) / (2.0 * part);
+    // without the third derivative
+    (4.0 * difference(0.5 * DIFFERENCE) - difference(DIFFERENCE)) / 3.0
 }

@@ -6,6 +6,10 @@ use crate::math::{Mat3, Quat, Vec3};
 use crate::scene::{Model, NodeRef};
 use crate::solve::problem::state::State;
 
+/// Tilt of a hinged frame, rad, that is rounding, because a state whose nodes are joined must keep its bits when it is
+/// put in force again.
+const LEVEL: f64 = 8.0 * f64::EPSILON;
+
 /// How a node turns with another one.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Turning {
@@ -157,8 +161,11 @@ impl Follower {
             }
             Turning::About { node, turn, axis } => {
                 let rest = state.frames[*node] * turn;
-                let (twist, _) = about(&(rest.inverse() * state.frames[self.node]), axis);
-                state.frames[self.node] = Unit::new_normalize((rest * twist).into_inner());
+                let (twist, tilt) = about(&(rest.inverse() * state.frames[self.node]), axis);
+                // not a number is tilted, too
+                if tilt.is_nan() || tilt > LEVEL {
+                    state.frames[self.node] = Unit::new_normalize((rest * twist).into_inner());
+                }
             }
         }
     }
