@@ -170,6 +170,9 @@ impl AxisText {
     }
 }
 
+/// Largest number of a range that may stand for a whole one, because larger ones have no fractions.
+const WHOLE: f64 = 1e15;
+
 impl RangeText {
     fn values(&self, key: &str) -> Result<Vec<Value>, InputError> {
         let Self { from, to, count } = *self;
@@ -187,7 +190,11 @@ impl RangeText {
             k if k + 1 == count => to,
             k => short(from + (to - from) * (k as f64 / last)),
         };
-        Ok((0..count).map(|k| Value::Float(value(k))).collect())
+        let values: Vec<f64> = (0..count).map(value).collect();
+        // keys that take a fraction take a whole number, too; others do not take 4.0
+        let is_whole = |x: &f64| x.fract() == 0.0 && x.abs() <= WHOLE;
+        let number = if values.iter().all(is_whole) { |x| Value::Integer(x as i64) } else { Value::Float };
+        Ok(values.into_iter().map(number).collect())
     }
 }
 

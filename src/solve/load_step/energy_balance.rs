@@ -50,9 +50,9 @@ const DIFFERENCE: f64 = 1e-3;
 /// ring of DNA unfolds and 0.46 where it supercoils, and 0.03 in the step after a loop has buckled.
 const CLOSED: f64 = 0.05;
 
-/// The same of a step that has clearly snapped, because it is up to 0.1 where a ring buckles under pressure without a
-/// snap, in steps of a sixth of the critical one.
-const CLEAR: f64 = 0.25;
+/// The same of a step that has clearly snapped, because it is up to 0.08 where a ring buckles under pressure without a
+/// snap, in steps of a quarter of the critical one.
+const CLEAR: f64 = 0.1;
 
 /// Part of its work by which a step ends below its branch at least if it is reported as a snap, because steps that bend
 /// sharply miss their branch by a few hundredths.

@@ -498,8 +498,12 @@ impl ZeroEnergyModes {
             let supports = Supports::of(engine, state, &nodes);
             supports.size(&mut motions);
             supports.size(sliding.as_mut_slice());
-            sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
             least = least_size(zero_energy.weights, motions.iter());
+            // sliding of a circle that is turned back is no motion but for the error of differences
+            let error = (largest_turn(state, &nodes).powi(2) / TOLERANCE).max(1.0);
+            let least_sliding = error * least_size(zero_energy.weights, sliding.iter());
+            sliding = sliding.and_then(|motion| supports.let_pass(motion, &motions));
+            sliding = sliding.filter(|motion| weighted(zero_energy.weights, motion, motion).sqrt() > least_sliding);
             motions = supports.all_that_pass(&motions);
         }
         for motion in left_alone(engine, state, &nodes, (motions, Vec::new())) {
@@ -665,6 +669,11 @@ fn sliding_rate(engine: &Engine, state: &State, node: usize) -> (Vec3, Vec3) {
     let frame_before = if local == 0 { state.frames[before] * seam.inverse() } else { state.frames[before] };
     let turn = (frame_after * frame_before.inverse()).scaled_axis();
     ((state.positions[after] - state.positions[before]) / reach, turn / reach)
+}
+
+/// Largest angle between the tangents of neighbours among some nodes in a row, rad.
+fn largest_turn(state: &State, nodes: &[usize]) -> f64 {
+    nodes.windows(2).map(|pair| tangent_of(state, pair[0]).angle(&tangent_of(state, pair[1]))).fold(0.0, f64::max)
 }
 
 /// Weights of displacements and rotations in the product of motions. Displacements first: a rigid rotation taken out of
