@@ -175,8 +175,8 @@ pub struct ObstacleReaction {
     pub force_on_rods: [f64; 3],
 }
 
-/// Force and moment a support exerts on the rod, in the global axes: a stretched rod is pulled outwards at its end. They
-/// sum to what all supports bear, also where joined nodes have one each.
+/// Force and moment a support exerts on the rod, in the global axes: a stretched rod is pulled outwards at its end.
+/// They sum to what all supports bear, also where joined nodes have one each.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reaction {

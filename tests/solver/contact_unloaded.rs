@@ -126,7 +126,8 @@ fn what_lies_at_a_gap_of_nothing_is_at_rest() {
             let load = |at: &str| format!("[[loads]]\nat = {at}\nforce = [0, {:?}, 0]\n", -5.0 * force);
             let text = format!(
                 "planar = true\n[[rods]]\nshape = {{ kind = \"line\", start = [{:?}, {:?}, 0], length = {:?} }}\n\
-                 section = {{ bending = {:?}, twisting = {:?}, stretching = {:?}, shearing = {:?}, contact_radius = {:?} }}\n\
+                 section = {{ bending = {:?}, twisting = {:?}, stretching = {:?}, shearing = {:?}, \
+                 contact_radius = {:?} }}\n\
                  elements = 48\n{}[[supports]]\nat = {{ arc = {length:?} }}\nposition = [\"x\"]\n{}{}{}\
                  [[stages]]\nramp = {{ load = 1.0 }}\nsteps = 4\n",
                 -length,
@@ -175,9 +176,9 @@ fn a_curved_ring_in_a_shrinking_sphere() {
     assert!(end.energies.bending > 0.8 && end.energies.twisting > 0.1, "{:?}", end.energies);
 }
 
-/// A free ring that a plane carries up, and one that fills a sphere: nothing resists, and what forces are left are those
-/// that tolerances leave. Symptom: the certificate failed by 1.9e-4 and 6.7e-3 of forces of 1e-6 and 1e-8 (B = R = 1),
-/// and the work of these was told as snaps of 5e-9.
+/// A free ring that a plane carries up, and one that fills a sphere: nothing resists, and what forces are left are
+/// those that tolerances leave. Symptom: the certificate failed by 1.9e-4 and 6.7e-3 of forces of 1e-6 and 1e-8
+/// (B = R = 1), and the work of these was told as snaps of 5e-9.
 #[test]
 fn forces_of_nothing_are_in_balance() {
     let ring = |elements: usize, height: f64| {

@@ -270,7 +270,8 @@ fn supports_of_joined_nodes_share_the_reaction() {
         for (name, way) in [("a", "[1, 0, 0]"), ("b", "[0, 1, 0]"), ("c", "[-1, 0, 0]")] {
             text += &format!(
                 "[[rods]]\nname = \"{name}\"\nshape = {{ kind = \"line\", direction = {way}, length = 1.0 }}\n\
-                 section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.01 }}\n\
+                 section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, \
+                 contact_radius = 0.01 }}\n\
                  elements = 4\nweight = 1.0\n"
             );
         }

@@ -195,14 +195,16 @@ fn motions_count_from_where_a_stage_holds() {
         at = "end"
         force = [0, 0, -1.0]
         [[stages]]
-        ramp = { displacement = { at = "end", to = [-0.1, 0, 0.1] }, rotation = { at = "end", axis = [1, 0, 0], turns = 0.2 } }
+        ramp.displacement = { at = "end", to = [-0.1, 0, 0.1] }
+        ramp.rotation = { at = "end", axis = [1, 0, 0], turns = 0.2 }
         steps = 2
         [[stages]]
         release = [{ at = "end", position = true, rotation = true }]
         [[stages]]
         hold = [{ at = "end", position = true, rotation = true }]
         [[stages]]
-        ramp = { displacement = { at = "end", to = [-0.05, 0, -0.1] }, rotation = { at = "end", axis = [1, 0, 0], turns = 0.1 } }
+        ramp.displacement = { at = "end", to = [-0.05, 0, -0.1] }
+        ramp.rotation = { at = "end", axis = [1, 0, 0], turns = 0.1 }
         steps = 2"#;
     let scene = Scene::from_toml(text, Path::new("")).unwrap();
     let options = Options::default();

@@ -71,12 +71,12 @@ fn a_stable_path_sets_nothing_free() {
     }
 }
 
-/// Symptom: smooth paths were told as snaps: a taut rope that is let down, a ring whose natural curvature changes, and,
-/// of next to nothing, rods that curl and that grow shorter without any force. Mechanisms: E* is missed by a tenth of the
-/// work where forces change that fast, and the balance of the step's own forces does not close to a twentieth of that,
-/// but lies on the other side, or closes nearly, as that of a
-/// ring that buckles under pressure; nothing was the rounding of a rod that stores nothing; the third derivative of a stiff
-/// rod's energy by its length was in the difference that gives the work.
+/// Symptom: smooth paths were told as snaps: a taut rope that is let down, a ring whose natural curvature changes, one
+/// that buckles under pressure, and, of next to nothing, rods that curl and that grow shorter without any force.
+/// Mechanisms: E* is missed by a tenth of the work where forces change that fast, and the balance of the step's own
+/// forces does not close to a twentieth of that, but lies on the other side, or closes nearly; nothing was the rounding
+/// of a rod that stores nothing; the third derivative of a stiff rod's energy by its length was in the difference that
+/// gives the work.
 #[test]
 fn a_path_that_bends_sets_nothing_free() {
     let rope = r#"

@@ -69,7 +69,12 @@ impl Columns {
             });
         }
         all.knots(model);
-        all.add("num_unstable", "", "unstable directions of the state; of moments of fixed direction in space those of the symmetric part of the tangent, which decide nothing", |step| step.num_unstable.into());
+        all.add(
+            "num_unstable",
+            "",
+            "unstable directions of the state; under moments of fixed direction in space they decide nothing",
+            |step| step.num_unstable.into(),
+        );
         all.add("energy_released", "F L", "set free by a snap in this step; 0: none", |step| {
             step.energy_released.into()
         });

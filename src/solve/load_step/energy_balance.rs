@@ -12,19 +12,19 @@
 //! E* = E₀ + W₀ + ½ r² ΔW        E₀ + min(W₀, W₁) where no last step is known
 //! ```
 //!
-//! A step that ends lower by a tenth of the work, and lower than its own balance, too, has left its branch by a snap. It
-//! has set free E* − E₁. Where a branch bends sharply, as that of a strut does that buckles, E* is missed, too, but not
-//! the balance.
+//! A step that ends lower by a tenth of the work, and lower than its own balance, too, has left its branch by a snap.
+//! It has set free E* − E₁. Where a branch bends sharply, as that of a strut does that buckles, E* is missed, too, but
+//! not the balance.
 //!
 //! The four numbers E₁ − E₀, W₀, W₁ and ΔW do not tell all snaps from all curvatures. Such steps are made again in
 //! halves ([`Solver::advance`]):
-//! * With r = 10, a ring that loses one of two contacts has the numbers of a smooth parabola of F. So a step too long to
-//!   be predicted that ends lower or higher by a hundredth of its work, and whose search neither began where the branch
-//!   leads nor found it unstable there, is halved until the branch can be predicted from its own states.
-//! * A step that ends far below E*, but not clearly below its balance, is that of a branch which bends much, as that of a
-//!   taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)) or of a ring that
-//!   buckles, or that of a snap into a state of other forces. It is halved [`HALVINGS_OF_A_BEND`] times. A snap sets as
-//!   much free in a half as in the whole; what a smooth branch misses falls eightfold.
+//! * With r = 10, a ring that loses one of two contacts has the numbers of a smooth parabola of F. So a step too long
+//!   to be predicted that ends lower or higher by a hundredth of its work, and whose search neither began where the
+//!   branch leads nor found it unstable there, is halved until the branch can be predicted from its own states.
+//! * A step that ends far below E*, but not clearly below its balance, is that of a branch which bends much, as that of
+//!   a taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)) or of a ring
+//!   that buckles, or that of a snap into a state of other forces. It is halved [`HALVINGS_OF_A_BEND`] times. A snap
+//!   sets as much free in a half as in the whole; what a smooth branch misses falls eightfold.
 //!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
@@ -35,7 +35,7 @@ use crate::rod::RodNumber;
 use crate::scene::ContactLaw;
 use crate::scene::model::Push;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{LAST_PLACES, ROUNDING};
+use crate::solve::measures::{LAST_PLACES, NOTHING, ROUNDING};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target};
@@ -62,8 +62,8 @@ const SNAP: f64 = 0.1;
 /// missed it by 0.096.
 const DOUBTFUL: f64 = 0.01;
 
-/// Times that a step is halved which has snapped or bends, because what a smooth branch misses then is a sixteenth, over
-/// its work, and more than sixteen times [`SNAP`] is no bend.
+/// Times that a step is halved which has snapped or bends, because what a smooth branch misses then is a sixteenth,
+/// over its work, and more than sixteen times [`SNAP`] is no bend.
 pub(super) const HALVINGS_OF_A_BEND: usize = 2;
 
 /// Changes that a step prescribes.
@@ -174,10 +174,10 @@ impl Solver {
         let work = work_of_motions(engine, &residual, changes) + of_contact + work_of_numbers(engine, &state, changes);
         // a search does not balance such forces
         let of_nothing = if bends_nothing(engine, &residual) { of_contact.abs() } else { 0.0 };
-        // a rod without forces stores nothing, and knows its bends to rounding all the same
+        // what a rod without forces stores is nothing beside that of a bend
         let bent: f64 = engine.model.rods.iter().map(|rod| rod.section.smaller_bending() / rod.length).sum();
-        let stored = elastic + residual.potential.electrostatic + bent;
-        let rounding = ROUNDING * stored + of_nothing + rounding_of_reactions(engine, changes);
+        let stored = elastic + residual.potential.electrostatic;
+        let rounding = ROUNDING * stored + NOTHING * bent + of_nothing + rounding_of_reactions(engine, changes);
         Some(Balance { energy, work, rounding })
     }
 }

@@ -54,8 +54,8 @@ impl Solver {
         Ok(report)
     }
 
-    /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it may have lost
-    /// its branch, or an obstacle might pass a strand.
+    /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it may have
+    /// lost its branch, or an obstacle might pass a strand.
     pub(in crate::solve) fn advance(&mut self, ramps: &[Ramp], take: f64) -> StepReport {
         self.advance_halved(ramps, take, 0)
     }

@@ -194,8 +194,8 @@ fn left_by_surfaces(surfaces: &[Surface], (centre, length): (&Vec3, f64), planar
     (0..6).filter(is_free).map(of_null_space).collect()
 }
 
-/// Whether contact pushes a segment by more than rounding, as a force that turns a node spacing by 1e-11 rad. A rod that
-/// lies at a gap of 0 is held by rounding otherwise, or let go.
+/// Whether contact pushes a segment by more than rounding, as a force that turns a node spacing by 1e-11 rad. A rod
+/// that lies at a gap of 0 is held by rounding otherwise, or let go.
 fn is_pushed(engine: &Engine, residual: &Residual, segment: usize) -> bool {
     engine.contact.nodes[segment].iter().any(|&node| {
         let rod = &engine.model.rods[engine.rod_of(node)];

@@ -25,7 +25,7 @@ pub(in super::super) struct StageText {
     /// `release`.
     #[serde(default, deserialize_with = "table")]
     pub ramp: RampText,
-    /// Nodes held from the beginning of the stage on, where they then are: their displacement and turns count from there.
+    /// Nodes held from the beginning of the stage on, where they then are: displacement and turns count from there.
     #[serde(default, deserialize_with = "tables")]
     pub hold: Vec<SupportText>,
     /// Components of nodes let go from the beginning of the stage on.
