@@ -204,10 +204,13 @@ fn is_pushed(engine: &Engine, residual: &Residual, segment: usize) -> bool {
     })
 }
 
-/// Surfaces of the obstacles that push some rods, those that nodes carry left out: they move with their rods.
+/// Surfaces of the obstacles that some rods touch, those that nodes carry left out: they move with their rods. Those
+/// that push a single rod with rounding do not touch it; in a stack of rods that do not press yet it is rounding which
+/// of them push, and what they leave free is neutral in searches anyway.
 fn touched_by(engine: &Engine, residual: &Residual, rods: &[usize]) -> Vec<Surface> {
     let side = &engine.contact;
-    let pushes = |contact: &SurfaceContact| is_pushed(engine, residual, contact.segment);
+    let is_alone = engine.model.rods.len() == 1;
+    let pushes = |contact: &SurfaceContact| !is_alone || is_pushed(engine, residual, contact.segment);
     let is_touched = |surface: &usize| {
         let of_rods = |contact: &&SurfaceContact| rods.contains(&engine.rod_of(side.nodes[contact.segment][0]));
         let contacts = residual.surface_contacts.iter().filter(|contact| contact.surface == *surface);

@@ -227,9 +227,10 @@ pub(super) fn neutral_shift(engine: &Engine) -> f64 {
     if has_loose_motions(engine) { LOOSE } else { NEUTRAL_SHIFT }
 }
 
-/// Whether one of several rods is clamped nowhere, so that others may move it as a whole, or a closed one bears loads.
+/// Whether one of several rods is clamped nowhere, so that others which are near may move it as a whole, or a closed
+/// one bears loads.
 fn has_loose_motions(engine: &Engine) -> bool {
     let rods = 0..engine.model.rods.len();
-    let pushed = rods.len() > 1 && rods.clone().any(|rod| !engine.is_clamped(rod));
+    let pushed = rods.len() > 1 && engine.contact.is_near() && rods.clone().any(|rod| !engine.is_clamped(rod));
     pushed || rods.into_iter().any(|rod| engine.model.rods[rod].closed && engine.bears_loads(rod))
 }

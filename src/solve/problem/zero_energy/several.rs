@@ -7,10 +7,9 @@
 
 use super::hinged::part_rotations;
 use super::{
-    Supports, holds_all, is_falling, is_free, is_pushed, is_round, least_size, left_alone, rigid_motions, spin_of,
-    subtract, subtract_force, touched_by,
+    Supports, holds_all, is_falling, is_free, is_round, least_size, left_alone, rigid_motions, spin_of, subtract,
+    subtract_force, touched_by,
 };
-use crate::contact::potential::ContactPair;
 use crate::math::groups::Groups;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
@@ -171,8 +170,7 @@ fn groups(engine: &Engine, residual: &Residual) -> Vec<Vec<usize>> {
     let mut touching = Groups::apart(engine.model.rods.len(), &mut scratch);
     engine.model.joints.iter().for_each(|joint| touching.join(joint.a.rod, joint.b.rod));
     let side = &engine.contact;
-    let pushes = |pair: &&ContactPair| [pair.slave, pair.master].iter().all(|k| is_pushed(engine, residual, *k));
-    for pair in residual.contact_pairs.iter().filter(pushes) {
+    for pair in &residual.contact_pairs {
         let [a, _, b, _] = side.nodes_of(pair).map(|node| engine.rod_of(node));
         touching.join(a, b);
     }
