@@ -308,7 +308,7 @@ fn a_search_without_a_way_on_ends() {
 /// Stiff bars that only turn: what makes them unstable, or falls, is far below their bending, and counts all the same.
 /// Symptom: two bars pinned in line and pressed together stayed straight, an arm on a hinge stood upright, both called
 /// stable, beside modes with negative eigenvalues. Mechanism: rolling off other rods is neutral down to -1e-3 B/L⁴, and
-/// so was all that joined rods do, with no rod near.
+/// so was all that joined rods do.
 #[test]
 fn stiff_rods_on_pins_do_not_stand_upright() {
     let section = |bending: f64| {

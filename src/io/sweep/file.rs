@@ -271,6 +271,9 @@ mod tests {
         assert_eq!(found[1], "a=1 b.0.c=0.0 d=2 e=\"y\"");
         assert_eq!(found[17], "a=\"w\" b.0.c=1.0 d=2 e=\"y\"");
         assert_eq!(cases("").unwrap(), [""]);
+        // a range of whole numbers suits keys that take no others
+        let whole = cases("axes = { a = { from = 4, to = 8, count = 3 } }").unwrap();
+        assert_eq!(whole, ["a=4", "a=6", "a=8"]);
         let round = cases("axes = { a = { from = -0.05, to = 0.05, count = 5 } }").unwrap();
         assert_eq!(round, ["a=-0.05", "a=-0.025", "a=0.0", "a=0.025", "a=0.05"]);
     }

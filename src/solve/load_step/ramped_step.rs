@@ -141,7 +141,8 @@ impl Solver {
             let is_too_long = stride.is_some_and(|stride| stride > FARTHEST);
             let is_doubtful = |departure: Departure| {
                 let may_bend = halvings.is_some_and(|halvings| halvings < HALVINGS_OF_A_BEND);
-                is_too_long && !is_on_branch && departure.is_doubtful() || may_bend && departure.snaps_or_bends()
+                let is_lost = !is_on_branch && departure.is_doubtful();
+                is_too_long && is_lost || may_bend && departure.snaps_or_bends(report.is_predicted())
             };
             if halvings.is_some() && departure.is_some_and(is_doubtful) {
                 return (report, true);

@@ -227,10 +227,11 @@ pub(super) fn neutral_shift(engine: &Engine) -> f64 {
     if has_loose_motions(engine) { LOOSE } else { NEUTRAL_SHIFT }
 }
 
-/// Whether one of several rods is clamped nowhere, so that others which are near may move it as a whole, or a closed
-/// one bears loads.
+/// Whether one of several rods is clamped and joined nowhere, so that others may move it as a whole, or a closed one
+/// bears loads. What joints let turn is held by nothing but loads, however stiff the rods are.
 fn has_loose_motions(engine: &Engine) -> bool {
     let rods = 0..engine.model.rods.len();
-    let pushed = rods.len() > 1 && engine.contact.is_near() && rods.clone().any(|rod| !engine.is_clamped(rod));
+    let is_loose = |rod: usize| !engine.is_clamped(rod) && !engine.is_joined(rod);
+    let pushed = rods.len() > 1 && rods.clone().any(is_loose);
     pushed || rods.into_iter().any(|rod| engine.model.rods[rod].closed && engine.bears_loads(rod))
 }

@@ -159,3 +159,20 @@ fn a_final_state_starts_another_run() {
     assert!(refused("kind = \"state\"", "kind = \"state\", rod = 1").contains("has no rod 1"));
     std::fs::remove_dir_all(&dir).unwrap();
 }
+
+/// Symptom: overhand knots were longer than asked for, by 3e-4: their chords had the length.
+#[test]
+fn overhand_knots_have_the_length_asked_for() {
+    for (half_turns, length) in [(3, 800.0), (5, 1600.0)] {
+        for elements in [48, 96] {
+            let text = format!(
+                "[[rods]]\nelements = {elements}\n\
+                 shape = {{ kind = \"overhand\", length = {length:?}, radius = 40.0, half_turns = {half_turns} }}\n\
+                 section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 3.0 }}\n"
+            );
+            let scene = read(&text).unwrap();
+            let found = scene.model.rods[0].length;
+            assert!((found / length - 1.0).abs() < 1e-7, "{half_turns} {elements}: {found}");
+        }
+    }
+}
