@@ -168,7 +168,8 @@ fn overhand_knots_have_the_length_asked_for() {
             let text = format!(
                 "[[rods]]\nelements = {elements}\n\
                  shape = {{ kind = \"overhand\", length = {length:?}, radius = 40.0, half_turns = {half_turns} }}\n\
-                 section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 3.0 }}\n"
+                 section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, \
+                 contact_radius = 3.0 }}\n"
             );
             let scene = read(&text).unwrap();
             let found = scene.model.rods[0].length;
