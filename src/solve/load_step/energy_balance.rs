@@ -23,9 +23,9 @@
 //!   branch leads nor found it unstable there, is halved until the branch can be predicted from its own states.
 //! * A step that ends far below E*, but not clearly below its balance, is that of a branch which bends much, as that of
 //!   a taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)) or of a ring
-//!   that buckles, or that of a snap into a state of other forces. Unless it ends above its balance and began where the
-//!   branch leads it is halved [`HALVINGS_OF_A_BEND`] times. A snap sets as much free in a half as in the whole; what a
-//!   smooth branch misses falls eightfold.
+//!   that buckles, or that of a snap into a state of other forces. Unless it ends where it was foreseen it is halved
+//!   [`HALVINGS_OF_A_BEND`] times. A snap sets as much free in a half as in the whole; what a smooth branch misses
+//!   falls eightfold.
 //!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
@@ -124,11 +124,10 @@ impl Departure {
     }
 
     /// Whether the step ends below E*, but not clearly below the balance: it has snapped, or its branch bends. One that
-    /// began where its branch leads and ends above the balance has kept its branch.
-    pub(in crate::solve) fn snaps_or_bends(&self, is_predicted: bool) -> bool {
-        let least = if is_predicted { 0.0 } else { f64::NEG_INFINITY };
+    /// ends where it was foreseen has kept its branch.
+    pub(in crate::solve) fn snaps_or_bends(&self, is_foreseen: bool) -> bool {
         let is_open = self.gap.abs() > CLOSED * self.released && self.gap < CLEAR * self.released;
-        self.is_above(SNAP) && self.released > 0.0 && is_open && self.gap > least
+        self.is_above(SNAP) && self.released > 0.0 && is_open && !is_foreseen
     }
 }
 

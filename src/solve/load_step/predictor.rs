@@ -42,6 +42,10 @@ pub(super) const FARTHEST: f64 = 2.0;
 /// square.
 const MAX_UNCERTAINTY: f64 = 0.1;
 
+/// Largest turn of a node from where it was foreseen, over the uncertainty, because that is the order of the error: the
+/// difference of a parabola and a line.
+const MET: f64 = 3.0;
+
 /// An accepted state with all prescribed values.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -132,9 +136,29 @@ pub(crate) struct Prediction {
 }
 
 impl Prediction {
+    /// Where it leads from a state with its turns lifted.
+    pub(crate) fn end(&self, engine: &Engine, lifted: &State) -> Foreseen {
+        Foreseen { state: engine.retract(lifted, &self.increment, 1.0), uncertainty: self.uncertainty }
+    }
+
     /// No motion.
     pub(crate) fn still(engine: &Engine) -> Self {
         Self { increment: vec![0.0; 6 * engine.num_nodes()], forces: Vec::new(), uncertainty: f64::INFINITY }
+    }
+}
+
+/// Where a prediction leads.
+#[derive(Debug)]
+pub(crate) struct Foreseen {
+    state: State,
+    uncertainty: f64,
+}
+
+impl Foreseen {
+    /// Whether a state is there, but for a few times the uncertainty, which is the order of the error.
+    pub(crate) fn is_met(&self, state: &State) -> bool {
+        let turned = self.state.frames().iter().zip(state.frames()).map(|(a, b)| a.angle_to(b)).fold(0.0, f64::max);
+        self.uncertainty.is_finite() && turned <= MET * self.uncertainty
     }
 }
 
