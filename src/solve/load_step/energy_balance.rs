@@ -123,11 +123,10 @@ impl Departure {
         if self.is_above(SNAP) && self.gap > CLOSED * self.released { self.released.max(0.0) } else { 0.0 }
     }
 
-    /// Whether the step ends below E*, but not clearly below the balance: it has snapped, or its branch bends. One that
-    /// ends where it was foreseen has kept its branch.
-    pub(in crate::solve) fn snaps_or_bends(&self, is_foreseen: bool) -> bool {
+    /// Whether the step ends below E*, but not clearly below the balance: it has snapped, or its branch bends.
+    pub(in crate::solve) fn snaps_or_bends(&self) -> bool {
         let is_open = self.gap.abs() > CLOSED * self.released && self.gap < CLEAR * self.released;
-        self.is_above(SNAP) && self.released > 0.0 && is_open && !is_foreseen
+        self.is_above(SNAP) && self.released > 0.0 && is_open
     }
 }
 

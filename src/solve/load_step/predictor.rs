@@ -136,29 +136,17 @@ pub(crate) struct Prediction {
 }
 
 impl Prediction {
-    /// Where it leads from a state with its turns lifted.
-    pub(crate) fn end(&self, engine: &Engine, lifted: &State) -> Foreseen {
-        Foreseen { state: engine.retract(lifted, &self.increment, 1.0), uncertainty: self.uncertainty }
+    /// Whether the engine's state is where it leads from a state with its turns lifted, but for a few times its
+    /// uncertainty.
+    pub(crate) fn is_met(&self, engine: &Engine, lifted: &State) -> bool {
+        let foreseen = engine.retract(lifted, &self.increment, 1.0);
+        let frames = foreseen.frames().iter().zip(engine.state().frames());
+        self.uncertainty.is_finite() && frames.map(|(a, b)| a.angle_to(b)).fold(0.0, f64::max) <= MET * self.uncertainty
     }
 
     /// No motion.
     pub(crate) fn still(engine: &Engine) -> Self {
         Self { increment: vec![0.0; 6 * engine.num_nodes()], forces: Vec::new(), uncertainty: f64::INFINITY }
-    }
-}
-
-/// Where a prediction leads.
-#[derive(Debug)]
-pub(crate) struct Foreseen {
-    state: State,
-    uncertainty: f64,
-}
-
-impl Foreseen {
-    /// Whether a state is there, but for a few times the uncertainty, which is the order of the error.
-    pub(crate) fn is_met(&self, state: &State) -> bool {
-        let turned = self.state.frames().iter().zip(state.frames()).map(|(a, b)| a.angle_to(b)).fold(0.0, f64::max);
-        self.uncertainty.is_finite() && turned <= MET * self.uncertainty
     }
 }
 

@@ -127,7 +127,6 @@ impl Solver {
         let last = self.history.work.zip(stride);
         let predicted = end.and_then(|end| self.history.predict(&self.engine, &end, &lifted.drive));
         let predicted = predicted.or_else(|| self.unpredicted(target, &lifted.drive));
-        let foreseen = predicted.as_ref().map(|prediction| prediction.end(&self.engine, &lifted.state));
         let ahead = predicted.map_or(Ahead::Unknown, Ahead::Predicted);
         self.engine.prescribe(target.values());
         if let Err(error) = self.engine.take_numbers() {
@@ -140,11 +139,14 @@ impl Solver {
             let departure = balance.map(|(before, end)| before.departure(&end, last));
             let is_on_branch = report.is_predicted() || report.branch_ends;
             let is_too_long = stride.is_some_and(|stride| stride > FARTHEST);
-            let is_followed = foreseen.is_some_and(|foreseen| foreseen.is_met(self.engine.state()));
+            let is_met = || match &ahead {
+                Ahead::Predicted(prediction) => prediction.is_met(&self.engine, &lifted.state),
+                Ahead::Unknown | Ahead::Present => false,
+            };
             let is_doubtful = |departure: Departure| {
                 let may_bend = halvings.is_some_and(|halvings| halvings < HALVINGS_OF_A_BEND);
                 let is_lost = !is_on_branch && departure.is_doubtful();
-                is_too_long && is_lost || may_bend && departure.snaps_or_bends(is_followed)
+                is_too_long && is_lost || may_bend && departure.snaps_or_bends() && !is_met()
             };
             if halvings.is_some() && departure.is_some_and(is_doubtful) {
                 return (report, true);
