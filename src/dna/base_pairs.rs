@@ -9,7 +9,6 @@ mod points;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use crate::dna::HELICAL_REPEAT;
 use crate::dna::pose::parameters;
 use crate::dna::sequence::Sequence;
 use crate::error::InputError;
@@ -54,6 +53,9 @@ pub struct Nodes<'a> {
     pub closed: Option<f64>,
     /// Turns of the double helix that the frames leave out, where the rod says so itself; else 0.
     pub turns_left_out: f64,
+    /// Base pairs a turn of the double helix that is put into a rod which models the axis alone;
+    /// [`HELICAL_REPEAT`](crate::dna::HELICAL_REPEAT) of DNA in solution.
+    pub helical_repeat: f64,
 }
 
 impl Nodes<'_> {
@@ -109,8 +111,8 @@ impl BasePairs {
     ///
     /// A rod whose frames carry the double helix, as that of a sequence, hands them on; one in blocks is given back the
     /// turns that it left out. Others model the axis alone: they
-    /// have less than half of a turn per [`HELICAL_REPEAT`] base pairs, and the helix is put in, evenly, with the whole
-    /// number of turns in a closed molecule that is next to pairs / [`HELICAL_REPEAT`] + link of the frames.
+    /// have less than half of a turn per [`Nodes::helical_repeat`] base pairs, and the helix is put in, evenly, with the
+    /// whole number of turns in a closed molecule that is next to pairs / repeat + link of the frames.
     ///
     /// # Errors
     /// Fewer than two base pairs; a number of nodes that does not fit the order.
@@ -120,8 +122,9 @@ impl BasePairs {
             return Err(InputError::Count { field, value: count, allowed: "at least 2" });
         }
         nodes.check()?;
+        InputError::positive("helical_repeat", nodes.helical_repeat)?;
         let steps = if nodes.closed.is_some() { count } else { count - 1 };
-        let natural = steps as f64 / HELICAL_REPEAT;
+        let natural = steps as f64 / nodes.helical_repeat;
         let added = match nodes.closed {
             _ if nodes.turns_left_out != 0.0 => nodes.turns_left_out,
             _ if nodes.twist() > 0.5 * natural => 0.0,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::dna::RISE;
+use crate::dna::{HELICAL_REPEAT, RISE};
 use crate::dna::base_pairs::{AtRest, BasePairs, Nodes};
 use crate::error::InputError;
 use crate::io::csv::read_state;
@@ -25,6 +25,10 @@ struct MeshOfRod {
     order: usize,
     #[serde(default)]
     turns_left_out: f64,
+    #[serde(default)]
+    base_pairs: Option<usize>,
+    #[serde(default)]
+    helical_repeat: Option<f64>,
 }
 
 #[derive(serde::Deserialize)]
@@ -40,7 +44,8 @@ struct Link {
 
 /// Base pairs of the final state in the folder of a run: of the rod named `rod` (the only one needs no name). Those of
 /// a rod with a sequence are placed as [`AtRest`] says and know their bases. Otherwise, or where `count` is another
-/// number, they are `count` equally spaced ones; default: its length over [`RISE`].
+/// number, they are `count` equally spaced ones; default: those of its `dna`,
+/// or its length over [`RISE`]. Their double helix has the `helical_repeat` of its `dna`.
 ///
 /// # Errors
 /// Files that are missing or unreadable; several rods and no name, or an unknown name; a unit of length other than nm;
@@ -69,13 +74,14 @@ pub fn base_pairs(dir: &Path, rod: Option<&str>, count: Option<usize>) -> Result
         let reason = format!("final_state.csv has {} rods, summary.json {}", states.len(), summary.rods.len());
         return Err(InputError::Inconsistent { field: dir.display().to_string(), reason });
     };
-    let by_length = (head.length / RISE).round() as usize + usize::from(!head.closed);
+    let by_length = || (head.length / RISE).round() as usize + usize::from(!head.closed);
     let (positions, frames) = (&state.positions, &state.frames);
     let (closed, turns_left_out) = (head.closed.then_some(link), head.turns_left_out);
-    let nodes = Nodes { positions, frames, order: head.order, closed, turns_left_out };
+    let helical_repeat = head.helical_repeat.unwrap_or(HELICAL_REPEAT);
+    let nodes = Nodes { positions, frames, order: head.order, closed, turns_left_out, helical_repeat };
     match at_rest(dir, index, head.closed)? {
         Some(at_rest) if count.is_none_or(|count| count == at_rest.sequence.num_bases()) => at_rest.along(&nodes),
-        _ => BasePairs::along(&nodes, count.unwrap_or(by_length)),
+        _ => BasePairs::along(&nodes, count.or(head.base_pairs).unwrap_or_else(by_length)),
     }
 }
 

@@ -293,7 +293,8 @@ fn ends(engine: &Engine) -> Vec<RodEnds> {
     let of = |rod: usize| {
         let positions = engine.positions(rod);
         let (twist, excess_twist) = engine.twist(rod);
-        let link = open_link(engine, rod);
+        let twist = twist + rods[rod].turns_left_out;
+        let link = open_link(engine, rod).map(|link| link + rods[rod].turns_left_out);
         let (start, end) = (positions[0].into(), positions[positions.len() - 1].into());
         RodEnds { rod, start, end, twist, excess_twist, link, writhe: link.map(|link| link - twist) }
     };

@@ -70,6 +70,8 @@ pub struct Scene {
     pub line_densities: Vec<Option<f64>>,
     /// Link of the relaxed molecule, turns, for each rod that is DNA.
     pub relaxed_links: Vec<Option<f64>>,
+    /// Base pairs of each rod that is DNA.
+    pub num_base_pairs: Vec<Option<usize>>,
     /// Base pairs at rest, for each rod that has a sequence.
     pub base_pairs: Vec<Option<AtRest>>,
     /// Preset for settings that the file does not give.

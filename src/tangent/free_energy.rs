@@ -31,6 +31,10 @@ use crate::solve::problem::linearised::dot;
 use crate::solve::problem::zero_energy::Generator;
 use crate::solve::{Engine, RunError, Solver};
 
+/// Cosine of a gradient and a motion that costs nothing, where the gradient is, up to which one does not change the
+/// other, because sliding of a mesh changes twist and writhe by its ripples.
+const NEUTRAL: f64 = 1e-3;
+
 /// Unknowns of a node.
 const END: usize = 6;
 
@@ -188,11 +192,33 @@ impl EquilibriumTangent<'_> {
         let mut gradients = Vec::new();
         for observable in of {
             self.check_contact_force(observable)?;
-            gradients.push(self.gradient_of(observable)?);
+            if *observable == Observable::ContactForce && self.choice == ContactResponse::Locked {
+                let reason = "fluctuates as stiffly as its contacts are locked, which says nothing of the rods: it has \
+                              no standard deviation";
+                return Err(InputError::inconsistent(observable.label(), reason).into());
+            }
+            let gradient = self.gradient_of(observable)?;
+            self.check_neutral(observable, &gradient)?;
+            gradients.push(gradient);
         }
         let responses: Vec<Vec<f64>> =
             gradients.iter().map(|gradient| self.linearised.solve(self.engine, gradient)).collect();
         Ok(DMatrix::from_fn(of.len(), of.len(), |i, j| thermal_energy * dot(&gradients[i], &responses[j])))
+    }
+}
+
+impl EquilibriumTangent<'_> {
+    /// Refuses observables that motions which cost nothing change: with these they are anything.
+    fn check_neutral(&self, of: &Observable, gradient: &[f64]) -> Result<(), InputError> {
+        let changes = |motion: &Vec<f64>| {
+            let there = gradient.iter().zip(motion).filter(|(slope, _)| **slope != 0.0);
+            let size: f64 = there.map(|(_, way)| way * way).sum();
+            dot(gradient, motion).abs() > NEUTRAL * (dot(gradient, gradient) * size).sqrt()
+        };
+        let reason = "is changed by a motion that costs nothing: hold what moves, or ask for a number that it leaves \
+                      alone, such as a distance";
+        let is_moved = self.linearised.zero_energy.iter().any(changes);
+        if is_moved { Err(InputError::inconsistent(of.label(), reason)) } else { Ok(()) }
     }
 }
 

@@ -101,19 +101,38 @@ impl Observable {
             Self::Position { node, axis } => is_node(node) && *axis < 3,
             Self::Reaction { node, component } => is_node(node) && *component < 6,
         };
-        if let Self::Reaction { node, .. } = self
+        if let Self::Reaction { node, component } = self
             && is_node(node)
         {
             let supported = |at: &NodeRef| engine.model().supports.iter().any(|support| support.node == *at);
             let shared = engine.model().joined_nodes(*node).iter().filter(|at| supported(at)).count() > 1;
             let reason = "is shared by supports of joined nodes: let one of them bear it";
+            let label = || format!("the reaction at node {} of rod {}", node.node, node.rod);
             if shared {
-                return Err(InputError::inconsistent(format!("{self:?}"), reason));
+                return Err(InputError::inconsistent(label(), reason));
+            }
+            if *component < 6 && !is_borne(engine, *node, *component) {
+                let way = ["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"][*component];
+                return Err(InputError::inconsistent(label(), format!("has no {way}: no support holds it there")));
             }
         }
         let reason = "is no number of this model: twist is that of rods in space, writhe and seam moment are those of \
                       closed rods, extension is that of open ones";
-        if fits { Ok(()) } else { Err(InputError::inconsistent(format!("{self:?}"), reason)) }
+        if fits { Ok(()) } else { Err(InputError::inconsistent(self.label(), reason)) }
+    }
+
+    /// What messages call it.
+    pub(super) fn label(&self) -> &'static str {
+        match self {
+            Self::Energy => "energy",
+            Self::Twist { .. } => "twist",
+            Self::Writhe { .. } => "writhe",
+            Self::Extension { .. } => "extension",
+            Self::Position { .. } => "position",
+            Self::SeamMoment { .. } => "seam_moment",
+            Self::Reaction { .. } => "the reaction",
+            Self::ContactForce => "contact_force",
+        }
     }
 
     /// Its rate with the offset of a point of contact that stays closed, unknowns fixed.
@@ -149,6 +168,13 @@ impl Observable {
             Self::Reaction { .. } | Self::ContactForce => 0.0,
         }
     }
+}
+
+/// Whether a support bears a component, 0 to 5, at a node; of a hinge the rotations that it holds are about no axis of
+/// space.
+pub(super) fn is_borne(engine: &Engine, node: NodeRef, component: usize) -> bool {
+    let at = engine.index(node);
+    component >= 3 && engine.is_swivel(at) || engine.is_held(at, component)
 }
 
 /// A name and the rod after its colon; the first rod without one.
@@ -251,9 +277,17 @@ impl EquilibriumTangent<'_> {
                 return Ok(self.rate_of_link(*rod)?.into_iter().map(|x| x / TAU).collect());
             }
             Observable::Reaction { node, component } => {
-                let mut unit = [Vec3::zeros(); 2];
+                let (at, mut unit) = (index(node), [Vec3::zeros(); 2]);
                 unit[component / 3][component % 3] = 1.0;
-                return Ok(self.driven((index(node), unit[0], unit[1])));
+                let [along, about] = unit;
+                // a moment about axes fixed in space: its rate with the node's own rotation δθ is that of the gradient
+                // by rotation vectors, which is symmetric, and ½ δθ × m
+                let moment = Vec3::from_column_slice(&self.linearised.residual.gradient[6 * at + 3..6 * at + 6]);
+                out[6 * at + 3..6 * at + 6].copy_from_slice((0.5 * moment.cross(&about)).as_slice());
+                let driven = self.driven((at, along, about));
+                self.engine.give_to_masters(&mut out);
+                out.iter_mut().zip(driven).for_each(|(sum, force)| *sum += force);
+                return Ok(out);
             }
             Observable::ContactForce => {
                 for gap in contact::responses(self.choice, &self.contacts, &self.rates) {

@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector};
 
 use super::contact::GapRate;
-use super::observables::{Observable, of_node, of_rod};
+use super::observables::{Observable, is_borne, of_node, of_rod};
 use super::{EquilibriumTangent, contact};
 use crate::error::InputError;
 use crate::math::Vec3;
@@ -170,12 +170,30 @@ impl PrescribedNumber {
         if rest.is_empty() { Ok(Some(0)) } else { Ok(Some(of_rod(model, text)?.1)) }
     }
 
+    /// What messages call it.
+    fn label(&self) -> String {
+        match self {
+            Self::Number { which, .. } => which.iter().map(|number| number.name()).collect::<Vec<_>>().join(" and "),
+            Self::Load => "load".to_owned(),
+            Self::Pressure { .. } => "pressure".to_owned(),
+            Self::Link { .. } => "link".to_owned(),
+            Self::Obstacle { which: ObstacleNumber::Turns, .. } => "obstacle_turns".to_owned(),
+            Self::Obstacle { obstacle, .. } => format!("obstacle {obstacle}"),
+            Self::Displacement { node, .. } => format!("displacement of node {} of rod {}", node.node, node.rod),
+            Self::Rotation { node, .. } => format!("rotation of node {} of rod {}", node.node, node.rod),
+        }
+    }
+
     /// Refuses what is not there, and numbers that ramps refuse.
     pub(super) fn check(&self, engine: &Engine) -> Result<(), InputError> {
         let model = engine.model();
         let closed = |rod: usize| model.rods.get(rod).map(|rod| rod.closed);
         let is_node = |node: &NodeRef| model.rods.get(node.rod).is_some_and(|rod| node.node < rod.num_nodes());
         let is_way = |v: &Vec3| v.norm() > 0.0 && v.iter().all(|x| x.is_finite());
+        // only what is held can be moved
+        let is_moved = |node: &NodeRef, way: &Vec3, first: usize| {
+            is_node(node) && (0..3).all(|k| way[k] == 0.0 || is_borne(engine, *node, first + k))
+        };
         let fits = match self {
             Self::Load => true,
             Self::Number { rod, which } => !which.is_empty() && closed(*rod).is_some(),
@@ -185,12 +203,14 @@ impl PrescribedNumber {
                 let turns = *which == ObstacleNumber::Turns;
                 (!turns || body.hinge.is_some()) && !(model.planar && *which == ObstacleNumber::Displacement(2))
             }),
-            Self::Displacement { node, direction: way } | Self::Rotation { node, axis: way } => {
-                is_node(node) && is_way(way)
-            }
+            Self::Displacement { node, direction: way } => is_way(way) && is_moved(node, way, 0),
+            Self::Rotation { node, axis: way } => is_way(way) && is_moved(node, way, 3),
         };
         if !fits {
-            return Err(InputError::inconsistent(format!("{self:?}"), "is nothing that is prescribed in this model"));
+            let reason = "is nothing that is prescribed in this model: links are those of closed rods in space, \
+                          pressures those of closed rods in the plane, motions those that a support holds, turns of \
+                          obstacles those about a hinge";
+            return Err(InputError::inconsistent(self.label(), reason));
         }
         if let Self::Number { rod, which } = self {
             for number in which {
@@ -303,6 +323,9 @@ impl PrescribedNumber {
 /// The obstacle after the colon of a name; the first one without.
 fn obstacle_of(model: &Model, text: &str) -> Result<usize, InputError> {
     let name = text.split_once(':').map_or("", |(_, name)| name);
+    if model.obstacles.is_empty() {
+        return Err(InputError::inconsistent(text, "is a number of an obstacle, and the scene has none"));
+    }
     let index = model.obstacles.iter().position(|own| name.is_empty() || own.name == name);
     let allowed = || model.obstacles.iter().map(|own| own.name.as_str()).collect::<Vec<_>>().join(", ");
     index.ok_or_else(|| InputError::Name { field: "obstacle".to_owned(), name: name.to_owned(), allowed: allowed() })
@@ -420,7 +443,8 @@ impl EquilibriumTangent<'_> {
             return Ok(Rate { forces: self.driven(motion), gaps, ..Rate::default() });
         }
         let of = of.filter(|of| !matches!(of, Observable::Reaction { .. } | Observable::ContactForce));
-        let touches = parameter.touches() && self.engine.contact.is_near();
+        let is_charged = self.engine.model().electrostatics.is_some();
+        let touches = parameter.touches() && (self.engine.contact.is_near() || is_charged);
         if parameter.is_linear() && !touches {
             return Ok(self.linear_rate(parameter, of, here));
         }

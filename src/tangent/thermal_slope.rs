@@ -44,7 +44,8 @@ impl EquilibriumTangent<'_> {
         (contacts, thermal_energy): (ContactResponse, f64),
     ) -> Result<ThermalSlope, RunError> {
         parameter.check(&solver.engine)?;
-        let here = solver.engine().state().clone();
+        // with the present number, so that the model gets it back
+        let here = parameter.changed(&solver.engine, 0.0);
         let step = step(solver, parameter);
         let states = [step, -step].map(|by| {
             let there = parameter.changed(&solver.engine, by);

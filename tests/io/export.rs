@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use supercoil::dna::HELICAL_REPEAT;
 use supercoil::dna::base_pairs::{BasePairs, Nodes};
 use supercoil::dna::sequence::{Sequence, Steps};
 use supercoil::io::export::base_pairs;
@@ -161,7 +162,7 @@ fn what_is_exported_starts_another_run() {
     let twisted = RING.replace("elements = 24", "elements = 24\nexcess_link = -2");
     let rod = &Scene::from_toml(&twisted, Path::new("")).unwrap().model.rods[0];
     let nodes =
-        Nodes { positions: &rod.positions, frames: &rod.frames, order: 3, closed: Some(-2.0), turns_left_out: 0.0 };
+        Nodes { positions: &rod.positions, frames: &rod.frames, order: 3, closed: Some(-2.0), turns_left_out: 0.0, helical_repeat: HELICAL_REPEAT };
     let pairs = BasePairs::along(&nodes, 336).unwrap();
     BasePairs::write(&dir.join("ring.dat"), pairs.oxdna_configuration()).unwrap();
     BasePairs::write(&dir.join("ring.npy"), pairs.npy()).unwrap();

@@ -1,6 +1,7 @@
 //! Base pairs: link, conventions, round trips.
 
 use super::*;
+use crate::dna::HELICAL_REPEAT;
 use crate::dna::sequence::Sequence;
 use crate::math::link::{link_numbers, linking_number};
 use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
@@ -11,7 +12,7 @@ fn ring(link: f64, count: usize) -> BasePairs {
     let rod = Rod::new("ring", &circle, RodMesh::closed(40, 3), section, Natural::Straight).unwrap();
     let rod = rod.with_excess_link(link).unwrap();
     let nodes =
-        Nodes { positions: &rod.positions, frames: &rod.frames, order: 3, closed: Some(link), turns_left_out: 0.0 };
+        Nodes { positions: &rod.positions, frames: &rod.frames, order: 3, closed: Some(link), turns_left_out: 0.0, helical_repeat: HELICAL_REPEAT };
     BasePairs::along(&nodes, count).unwrap()
 }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::rod::Rod;
+use crate::scene::Scene;
 
 /// Data of each rod for the record.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -20,6 +20,12 @@ pub(in crate::io) struct RodHead {
     /// Turns of the double helix that the frames leave out, if any.
     #[serde(default, skip_serializing_if = "is_zero")]
     turns_left_out: f64,
+    /// Base pairs of a rod that is DNA.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    base_pairs: Option<usize>,
+    /// Base pairs a turn of the relaxed molecule.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    helical_repeat: Option<f64>,
     /// Stiffnesses at the start; none of a rod that has a full matrix of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     stiffness: Option<SectionStiffness>,
@@ -43,8 +49,13 @@ struct SectionStiffness {
 }
 
 impl RodHead {
-    pub(super) fn of(rod: &Rod) -> Self {
+    pub(super) fn of(scene: &Scene, index: usize) -> Self {
+        let rod = &scene.model.rods[index];
+        let base_pairs = scene.num_base_pairs.get(index).copied().flatten();
+        let relaxed = scene.relaxed_links.get(index).copied().flatten();
         Self {
+            base_pairs,
+            helical_repeat: base_pairs.zip(relaxed).map(|(count, link)| count as f64 / link),
             name: rod.name.clone(),
             length: rod.length,
             contact_radius: rod.section.contact_radius,

@@ -92,7 +92,7 @@ impl RecordedRun {
             output: scene.output.clone(),
             choice: scene.picture.clone(),
             planar: scene.model.planar,
-            rods: scene.model.rods.iter().map(RodHead::of).collect(),
+            rods: (0..scene.model.rods.len()).map(|rod| RodHead::of(scene, rod)).collect(),
             obstacles: scene.model.obstacles.clone(),
             columns: Columns::of_scene(scene),
             steps,

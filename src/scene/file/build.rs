@@ -33,6 +33,7 @@ pub(super) fn scene(text: &SceneText, base_dir: &Path) -> Result<Scene, InputErr
     let charged = text.contact.electrostatics.is_some();
     let relaxed = |rod: &RodText| rod.dna.as_ref().map(|text| Dna::new(text, charged)).transpose();
     let relaxed = text.rods.iter().map(relaxed).collect::<Result<Vec<_>, _>>()?;
+    let num_base_pairs = relaxed.iter().map(|dna| dna.map(|dna| dna.base_pairs)).collect();
     let relaxed_links: Vec<Option<f64>> = relaxed.iter().map(|dna| dna.map(|dna| dna.relaxed_link)).collect();
     let mass = |(rod, built): (&RodText, &Rod)| gravity::line_density(text, rod, built.length);
     let line_densities = text.rods.iter().zip(&model.rods).map(mass).collect::<Result<Vec<_>, _>>()?;
@@ -46,6 +47,7 @@ pub(super) fn scene(text: &SceneText, base_dir: &Path) -> Result<Scene, InputErr
         temperature: text.temperature,
         line_densities,
         relaxed_links,
+        num_base_pairs,
         base_pairs,
         fidelity: text.fidelity,
         model,

@@ -16,7 +16,7 @@ const LEAST_FALL: f64 = 0.01;
 
 impl Solver {
     /// Equilibrium search that leaves unstable equilibria, from which the potential falls by more than rounding; the
-    /// size of the last increment, see [`increment_size`](crate::solve::search::newton::increment_size).
+    /// increment that is left, see [`increment_size`](crate::solve::search::newton::increment_size).
     pub(super) fn search(
         &mut self,
         drive: &PrescribedMotion,
@@ -66,7 +66,7 @@ impl Solver {
         if outcome.at_saddle || options.is_at_rest(&outcome) && outcome.num_unstable > 0 && leaves {
             return Err(Status::Unstable.into());
         }
-        Ok(outcome.iterations.last().map_or(0.0, |iteration| iteration.increment))
+        Ok(outcome.left)
     }
 
     /// A search that ends at any equilibrium.

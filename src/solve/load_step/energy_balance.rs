@@ -21,11 +21,11 @@
 //! * With r = 10, a ring that loses one of two contacts has the numbers of a smooth parabola of F. So a step too long
 //!   to be predicted that ends lower or higher by a hundredth of its work, and whose search neither began where the
 //!   branch leads nor found it unstable there, is halved until the branch can be predicted from its own states.
-//! * A step that ends far below E*, but not clearly below its balance, is that of a branch which bends much, as that of
-//!   a taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)) or of a ring
-//!   that buckles, or that of a snap into a state of other forces. Unless it ends where it was foreseen it is halved
-//!   [`HALVINGS_OF_A_BEND`] times. A snap sets as much free in a half as in the whole; what a smooth branch misses
-//!   falls eightfold.
+//! * A step that ends far below E*, and not in its own balance, has snapped, or its branch bends much, as that of a
+//!   taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)) or of a strut that
+//!   buckles. Unless it ends where it was foreseen it is halved once. A snap sets as much free in a half as in the
+//!   whole: the balance of a half lacks it. What that of a smooth branch lacks falls eightfold, and is a part of E* − E₁
+//!   to begin with.
 //!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
@@ -51,10 +51,6 @@ const DIFFERENCE: f64 = 1e-3;
 /// ring of DNA unfolds and 0.46 where it supercoils, and 0.03 in the step after a loop has buckled.
 const CLOSED: f64 = 0.05;
 
-/// The same of a step that has clearly snapped, because it is up to 0.08 where a ring buckles under pressure without a
-/// snap, in steps of a quarter of the critical one.
-const CLEAR: f64 = 0.1;
-
 /// Part of its work by which a step ends below its branch at least if it is reported as a snap, because steps that bend
 /// sharply miss their branch by a few hundredths.
 const SNAP: f64 = 0.1;
@@ -63,9 +59,9 @@ const SNAP: f64 = 0.1;
 /// missed it by 0.096.
 const DOUBTFUL: f64 = 0.01;
 
-/// Times that a step is halved which has snapped or bends, because what a smooth branch misses then is a sixteenth,
-/// over its work, and more than sixteen times [`SNAP`] is no bend.
-pub(super) const HALVINGS_OF_A_BEND: usize = 2;
+/// Part of what a step ended below its branch that the balance of a half lacks where it has snapped, because a strut
+/// that buckles leaves a fiftieth of it at one and a half times its critical load, and a fifteenth at three times.
+const KEPT: f64 = 0.25;
 
 /// Changes that a step prescribes.
 #[derive(Debug)]
@@ -118,15 +114,18 @@ impl Departure {
         self.is_above(DOUBTFUL) && self.gap.abs() > CLOSED * self.released.abs()
     }
 
-    /// Energy that the step has set free \[F·L\], where it ends below both; 0 on a branch.
-    pub(in crate::solve) fn released(&self) -> f64 {
-        if self.is_above(SNAP) && self.gap > CLOSED * self.released { self.released.max(0.0) } else { 0.0 }
+    /// Energy that the step has set free \[F·L\], where it ends below both; 0 on a branch. Of a half, `whole` is what
+    /// the whole step seemed to set free: a snap sets as much free in a half.
+    pub(in crate::solve) fn released(&self, whole: f64) -> f64 {
+        let is_below = self.is_above(SNAP) && self.gap > CLOSED * self.released && self.gap >= KEPT * whole;
+        if is_below { self.released.max(0.0) } else { 0.0 }
     }
 
-    /// Whether the step ends below E*, but not clearly below the balance: it has snapped, or its branch bends.
-    pub(in crate::solve) fn snaps_or_bends(&self) -> bool {
-        let is_open = self.gap.abs() > CLOSED * self.released && self.gap < CLEAR * self.released;
-        self.is_above(SNAP) && self.released > 0.0 && is_open
+    /// What the step seems to have set free \[F·L\]: it ends below E*, and not in balance. It has snapped, or its
+    /// branch bends.
+    pub(in crate::solve) fn snaps_or_bends(&self) -> Option<f64> {
+        let is_open = self.gap.abs() > CLOSED * self.released;
+        (self.is_above(SNAP) && self.released > 0.0 && is_open).then_some(self.released)
     }
 }
 

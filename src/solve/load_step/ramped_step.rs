@@ -7,12 +7,24 @@ use crate::math::Vec3;
 use crate::math::quaternion::exp;
 use crate::scene::model::{RemainingPath, unit};
 use crate::scene::{NodeRef, Pose, Ramp, Stage, SupportChange};
-use crate::solve::load_step::energy_balance::{Departure, HALVINGS_OF_A_BEND};
+use crate::solve::load_step::energy_balance::Departure;
 use crate::solve::load_step::guess::Ahead;
 use crate::solve::load_step::predictor::{FARTHEST, History, Prediction};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
+
+/// What is made of a step that may have lost its branch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Doubts {
+    /// It is made again in halves.
+    Open,
+    /// It is a part of a step that seemed to set so much energy free \[F·L\]. It is halved again only where it is too
+    /// long to be predicted.
+    OfHalf { whole: f64 },
+    /// It is taken as it is, because its halves have failed.
+    Settled,
+}
 
 impl Solver {
     /// Brings the present state to a stable equilibrium under the present loads, from where it is: as
@@ -57,32 +69,29 @@ impl Solver {
     /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it may have
     /// lost its branch, or an obstacle might pass a strand.
     pub(in crate::solve) fn advance(&mut self, ramps: &[Ramp], take: f64) -> StepReport {
-        self.advance_halved(ramps, take, 0)
+        self.advance_halved(ramps, take, Doubts::Open)
     }
 
-    /// [`Solver::advance`] of a step that doubts have halved so many times.
-    fn advance_halved(&mut self, ramps: &[Ramp], take: f64, halvings: usize) -> StepReport {
+    /// [`Solver::advance`] of a step, or of a part of one.
+    fn advance_halved(&mut self, ramps: &[Ramp], take: f64, mut doubts: Doubts) -> StepReport {
         let start = self.snapshot();
         let target = self.target(ramps, take);
         let leaps = self.leaps(&target);
         let mut spent = 0;
         if !leaps {
-            let (report, is_doubtful) = self.attempt(&target, Some(halvings));
-            if !is_doubtful {
-                return report;
-            }
-            spent = report.iterations;
+            let (report, of_halves) = self.attempt(&target, doubts);
+            let Some(of_halves) = of_halves else { return report };
+            (spent, doubts) = (report.iterations, of_halves);
         }
         let (moved, history) = (self.moved.clone(), self.history.clone());
-        let halvings = halvings + usize::from(!leaps);
         let mut parts = match self.restore(start.clone()) {
-            Ok(()) => self.advance_halved(ramps, 0.5 * take, halvings),
+            Ok(()) => self.advance_halved(ramps, 0.5 * take, doubts),
             Err(error) => return StepReport::refused(error),
         };
         if parts.status == Status::Converged {
             self.remember(&parts);
             // of the change that is left
-            parts.join(self.advance_halved(ramps, 0.5 * take / (1.0 - 0.5 * take), halvings));
+            parts.join(self.advance_halved(ramps, 0.5 * take / (1.0 - 0.5 * take), doubts));
         }
         parts.iterations += spent;
         if parts.status == Status::Converged {
@@ -96,7 +105,7 @@ impl Solver {
             return parts;
         }
         // as a whole, then
-        let (mut whole, _) = self.attempt(&target, None);
+        let (mut whole, _) = self.attempt(&target, Doubts::Settled);
         whole.iterations += parts.iterations;
         whole
     }
@@ -112,12 +121,12 @@ impl Solver {
     }
 
     /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
-    /// They do not if it is doubtful whether the step, which doubts have halved so many times, has kept its branch: the
-    /// second part of the result says so. Without a number there are no doubts.
-    fn attempt(&mut self, target: &Target, halvings: Option<usize>) -> (StepReport, bool) {
+    /// They do not if it is doubtful whether the step has kept its branch: the second part of the result are the doubts
+    /// about its halves, then.
+    fn attempt(&mut self, target: &Target, doubts: Doubts) -> (StepReport, Option<Doubts>) {
         let lifted = lifted(&self.engine, self.engine.state(), &target.drive);
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &lifted.spun) {
-            return (StepReport::refused(error), false);
+            return (StepReport::refused(error), None);
         }
         let changes = self.changes(target, &lifted);
         // work counts from an equilibrium
@@ -130,7 +139,7 @@ impl Solver {
         let ahead = predicted.map_or(Ahead::Unknown, Ahead::Predicted);
         self.engine.prescribe(target.values());
         if let Err(error) = self.engine.take_numbers() {
-            return (StepReport::refused(SolveError::Symbolic { reason: error.to_string() }), false);
+            return (StepReport::refused(SolveError::Symbolic { reason: error.to_string() }), None);
         }
         let mut report = self.in_own_pool(|solver| solver.load_step(&target.drive, &ahead));
         self.judge_turning(&mut report);
@@ -143,19 +152,24 @@ impl Solver {
                 Ahead::Predicted(prediction) => prediction.is_met(&self.engine, &lifted.state),
                 Ahead::Unknown | Ahead::Present => false,
             };
-            let is_doubtful = |departure: Departure| {
-                let may_bend = halvings.is_some_and(|halvings| halvings < HALVINGS_OF_A_BEND);
-                let is_lost = !is_on_branch && departure.is_doubtful();
-                is_too_long && is_lost || may_bend && departure.snaps_or_bends() && !is_met()
+            let of_halves = |departure: Departure| {
+                let seemed = if doubts == Doubts::Open { departure.snaps_or_bends() } else { None };
+                let is_lost = doubts != Doubts::Settled && !is_on_branch && departure.is_doubtful();
+                match seemed.filter(|_| !is_met()) {
+                    Some(seemed) => Some(Doubts::OfHalf { whole: seemed }),
+                    None => (is_too_long && is_lost).then_some(doubts),
+                }
             };
-            if halvings.is_some() && departure.is_some_and(is_doubtful) {
-                return (report, true);
+            let of_halves = departure.and_then(of_halves);
+            if of_halves.is_some() {
+                return (report, of_halves);
             }
-            report.energy_released = departure.map_or(0.0, |departure| departure.released());
+            let whole = if let Doubts::OfHalf { whole } = doubts { whole } else { 0.0 };
+            report.energy_released = departure.map_or(0.0, |departure| departure.released(whole));
             self.history.work = balance.filter(|_| report.energy_released == 0.0).map(|(a, b)| [a.work, b.work]);
             self.moved.go_on(target, &lifted.spun);
         }
-        (report, false)
+        (report, None)
     }
 
     /// Adds the accepted state to those from which the next one is predicted.

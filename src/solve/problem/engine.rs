@@ -14,6 +14,7 @@ use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, ElementProperties, Material, RodPlane, Strain, raw_strains, stiffness};
 use crate::rod::{Along, Natural, NaturalStrains, Rod};
 use crate::scene::{ContactLaw, Joint, JointKind, Model, NodeRef, Obstacle};
+use crate::solve::measures::NOTHING;
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::follower::Sharing;
@@ -101,6 +102,31 @@ impl Reference {
             Self::PerElement(first, list) => list[element - first],
         }
     }
+
+    fn all(&self) -> &[Strain] {
+        match self {
+            Self::Uniform(six) => std::slice::from_ref(six),
+            Self::PerElement(_, list) => list.as_flattened(),
+        }
+    }
+
+    /// Whether all of the rod is curved and twisted alike.
+    pub(in crate::solve::problem) fn is_uniform(&self) -> bool {
+        are_alike(self.all().iter().map(|six| &six[..]))
+    }
+
+    /// Whether the rod, of elements of this length \[L\], is straight by nature: neither curved nor sheared.
+    pub(in crate::solve::problem) fn is_straight(&self, length: f64) -> bool {
+        let bends = |six: &Strain| six[0].abs().max(six[1].abs()).max(length * six[3].abs().max(six[4].abs()));
+        self.all().iter().all(|six| bends(six) <= NOTHING)
+    }
+}
+
+/// Whether lists of numbers are the same but for rounding.
+fn are_alike<'a>(mut lists: impl Iterator<Item = &'a [f64]>) -> bool {
+    let Some(first) = lists.next() else { return true };
+    let size = first.iter().fold(0.0f64, |size, x| size.max(x.abs()));
+    lists.all(|list| list.iter().zip(first).all(|(a, b)| (a - b).abs() <= NOTHING * size))
 }
 
 /// Material matrices of a rod: a diagonal unless it has a full stiffness.
@@ -119,6 +145,35 @@ impl Stiffnesses {
         match along.is_constant() {
             true => Self::Constant(Box::new(of(0))),
             false => Self::PerElement(first, (0..rod.num_elements).map(of).collect()),
+        }
+    }
+
+    fn full(&self) -> &[[Strain; 6]] {
+        match self {
+            Self::Diagonal(_) => &[],
+            Self::Constant(points) => &points[..],
+            Self::PerElement(_, list) => list.as_flattened(),
+        }
+    }
+
+    /// Whether it is the same all along the rod.
+    pub(in crate::solve::problem) fn is_uniform(&self) -> bool {
+        are_alike(self.full().iter().map(|matrix| matrix.as_flattened()))
+    }
+
+    /// Whether it is the same about the tangent in all directions, without a coupling of bending or shear with other
+    /// strains.
+    pub(in crate::solve::problem) fn is_isotropic(&self) -> bool {
+        let is_same = |a: f64, b: f64| (a - b).abs() <= NOTHING * a.abs();
+        let of_matrix = |c: &[Strain; 6]| {
+            let is_coupled = |i: usize, j: usize| c[i][j].powi(2) > NOTHING * NOTHING * c[i][i] * c[j][j];
+            let across = [0, 1, 3, 4];
+            let coupled = across.iter().any(|&i| (0..6).any(|j| j != i && is_coupled(i, j)));
+            !coupled && is_same(c[0][0], c[1][1]) && is_same(c[3][3], c[4][4])
+        };
+        match self {
+            Self::Diagonal(six) => is_same(six[0], six[1]) && is_same(six[3], six[4]),
+            _ => self.full().iter().all(of_matrix),
         }
     }
 

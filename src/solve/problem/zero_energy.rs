@@ -24,7 +24,6 @@ use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 use crate::contact::potential::surface::SurfaceContact;
 use crate::math::signed_distance::{Skeleton, Surface};
 use crate::math::{Mat3, Vec3};
-use crate::rod::Natural;
 use crate::scene::NodeRef;
 use crate::solve::measures::{NOTHING, ROUNDING};
 use crate::solve::problem::assembly::Residual;
@@ -72,11 +71,10 @@ fn holds_all(engine: &Engine, rod: usize) -> bool {
 /// Closed with the same section and nature all along, and the same again after a turn of the seam: sliding costs
 /// nothing.
 fn slides(engine: &Engine, state: &State, rod: usize) -> bool {
-    let data = &engine.model.rods[rod];
-    let uniform = !matches!(data.natural, Natural::AsShaped | Natural::Varying(_)) && data.stiffness.is_none();
+    let uniform = engine.reference[rod].is_uniform() && engine.material[rod].is_uniform();
     let turns = state.seams[rod] / std::f64::consts::TAU;
     let is_whole = (turns - turns.round()).abs() <= NOTHING;
-    data.closed && (spins(engine, rod) || uniform && is_whole)
+    engine.model.rods[rod].closed && uniform && (is_whole || spins(engine, rod))
 }
 
 /// Closed, isotropic, naturally straight: spinning about the centreline costs nothing.
@@ -86,14 +84,9 @@ fn spins(engine: &Engine, rod: usize) -> bool {
 
 /// Isotropic, naturally straight, in space, joined by pins at most: strains turned about the tangent cost the same.
 fn is_round(engine: &Engine, rod: usize) -> bool {
-    let data = &engine.model.rods[rod];
-    let straight = match data.natural {
-        Natural::Straight => true,
-        Natural::Uniform { kappa } => kappa[0] == 0.0 && kappa[1] == 0.0,
-        Natural::AsShaped | Natural::Varying(_) => false,
-    };
+    let straight = engine.reference[rod].is_straight(engine.element_length(rod));
     let alone = !engine.is_turned_by_joints(rod) && !engine.model.planar;
-    data.stiffness.is_none() && data.section.is_isotropic() && straight && alone
+    straight && alone && engine.material[rod].is_isotropic()
 }
 
 fn tangent_of(state: &State, node: usize) -> Vec3 {

@@ -22,6 +22,8 @@ pub(super) struct Dna {
     pub length: f64,
     /// Link of the relaxed molecule, turns.
     pub relaxed_link: f64,
+    /// Base pairs.
+    pub base_pairs: usize,
 }
 
 impl Dna {
@@ -46,8 +48,8 @@ impl Dna {
             stretching,
             0.5 * diameter(text, charged)?,
         );
-        let base_pairs = text.base_pairs as f64;
-        Ok(Self { section, length: base_pairs * rise, relaxed_link: base_pairs / repeat })
+        let (base_pairs, count) = (text.base_pairs, text.base_pairs as f64);
+        Ok(Self { section, length: count * rise, relaxed_link: count / repeat, base_pairs })
     }
 
     /// Refuses a shape whose length differs from that of the molecule.

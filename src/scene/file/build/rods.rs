@@ -72,6 +72,9 @@ pub(super) fn rod(
     }
     rod.turns_left_out = turns_left_out;
     rod.binding = binding;
+    if let (Some(dna), Some(link)) = (&dna, text.link) {
+        check_link_of_dna(&path, link, dna)?;
+    }
     rod = with_link(&path, text, excess_link, rod)?;
     let fitted = matches!(text.shape, ShapeText::Points { fit: Some(_), .. });
     match (&text.dna, &dna) {
@@ -254,6 +257,21 @@ fn with_link(path: &str, text: &RodText, excess_link: Option<f64>, rod: Rod) -> 
         (None, None, Some(turns)) => rod.with_twist(turns),
         _ => Err(InputError::inconsistent(path, LINK_TWICE)),
     }
+}
+
+/// Refuses the link of a rod of DNA that counts the double helix, which `dna` leaves out: half of it is wound off in no
+/// molecule.
+fn check_link_of_dna(path: &str, link: f64, dna: &Dna) -> Result<(), InputError> {
+    if link.abs() < 0.5 * dna.relaxed_link {
+        return Ok(());
+    }
+    let reason = format!(
+        "counts no turns of the double helix where a rod has dna: for Lk = {link} give excess_link = {:.4}, which is Lk \
+         less base_pairs / helical_repeat = {:.4}",
+        link - dna.relaxed_link,
+        dna.relaxed_link
+    );
+    Err(InputError::inconsistent(format!("{path}.link"), &reason))
 }
 
 fn section_or_dna(

@@ -1,5 +1,6 @@
 //! Dead forces and moments, line loads, pressure.
 
+use super::scatter::Blocks;
 use super::{Residual, Sink};
 use crate::math::Vec3;
 use crate::math::quadrature::gauss;
@@ -54,6 +55,7 @@ impl Engine {
         let pressure = state.pressures[rod] * turning(&self.model.rods[rod].positions);
         let skew = integrals(order).1;
         for element in self.elements.iter().filter(|e| e.rod == rod) {
+            let mut blocks: Blocks = [[0.0; 24]; 24];
             for a in 0..=order {
                 for c in 0..=order {
                     // ½ p (N_a N_c' − N_a' N_c) x_a y_c
@@ -65,12 +67,12 @@ impl Engine {
                     out.magnitude[6 * p] += (factor * y).abs();
                     out.gradient[6 * q + 1] += factor * x;
                     out.magnitude[6 * q + 1] += (factor * x).abs();
-                    if let Some(Sink { pattern, values, .. }) = &mut sink {
-                        // a diagonal block is symmetric: ∂²/∂x∂y is added once
-                        let entry = |i, j| if i == 0 && j == 1 { factor } else { 0.0 };
-                        pattern.add_block(values, p, q, entry);
-                    }
+                    blocks[6 * a][6 * c + 1] += factor;
+                    blocks[6 * c + 1][6 * a] += factor;
                 }
+            }
+            if let Some(sink) = &mut sink {
+                sink.add(&element.nodes[..=order], &blocks);
             }
         }
     }

@@ -6,6 +6,7 @@ use super::step::ModelStep;
 use crate::solve::measures::{BALANCED, NOTHING};
 use crate::solve::problem::assembly::{Potential, Residual};
 use crate::solve::problem::engine::Engine;
+use crate::solve::search::chord::Chord;
 use crate::solve::search::contact_balance::is_light;
 
 /// Largest change of contact forces in the last step of a rough search, over their size, because the next step then
@@ -21,9 +22,9 @@ const CONTACT_BALANCED: f64 = 1e-6;
 /// Change of contact forces and residual, over their sizes, and increment over the tolerance, that together show a
 /// balance which rounding hides.
 const NEARLY: f64 = 1e-3;
-/// Ratio of expected decreases three steps apart above which they do not fall, because steps that converge fall by far
-/// more.
-const STAYS: f64 = 0.1;
+/// Ratio of the decrease that is left after a step to that of the step, in which the step was rounding, because a search
+/// that converges leaves far less, and one that leaves a saddle several times as much.
+const STAYS: std::ops::Range<f64> = 0.1..2.0;
 
 /// Sizes of an accepted step.
 pub(super) struct Accepted {
@@ -39,6 +40,16 @@ pub(super) struct Accepted {
     pub(super) goes_on: bool,
 }
 
+/// A change of state, at the end of a search.
+pub(super) struct Change {
+    /// See [`increment_size`](crate::solve::search::newton::increment_size).
+    pub(super) size: f64,
+    /// Relative residual before it.
+    pub(super) unbalanced: f64,
+    /// Change of contact forces, over their size.
+    pub(super) contact: f64,
+}
+
 /// Convergence test over the steps of a search.
 pub(super) struct Convergence {
     tol_increment: f64,
@@ -46,18 +57,11 @@ pub(super) struct Convergence {
     rough: Option<f64>,
     /// Shifted steps in a row that hardly lowered the potential, and the potential before them \[F·L\].
     lingering: (usize, f64),
-    /// Expected decreases of full steps in a row, all below the rounding of the potential.
-    decrements: Vec<f64>,
 }
 
 impl Convergence {
     pub(super) fn new(tol_increment: f64, rough: Option<f64>) -> Self {
-        Self { tol_increment, rough, lingering: (0, f64::INFINITY), decrements: Vec::new() }
-    }
-
-    /// Whether a step is below the tolerance.
-    fn is_tiny(&self, size: f64, trial: &CorrectedStep) -> bool {
-        size <= self.tol_increment && trial.potential.is_finite()
+        Self { tol_increment, rough, lingering: (0, f64::INFINITY) }
     }
 
     /// Whether the search is stuck: the shift made the step shorter than the tolerance, although forces are out of
@@ -77,42 +81,49 @@ impl Convergence {
         self.lingering.0 > 0 && self.lingering.0.is_multiple_of(LINGERING)
     }
 
-    /// Whether the search has converged with an accepted step from the state of `residual`.
-    pub(super) fn is_reached(
+    /// Increment that is left after an accepted step from the state of `residual`, if the search has converged with it;
+    /// 0 after one that was rounding. `chord` is the next step, where it is known.
+    pub(super) fn left(
         &mut self,
         engine: &Engine,
         residual: &Residual,
-        (step, trial): (&ModelStep, &CorrectedStep),
+        (step, trial, chord): (&ModelStep, &CorrectedStep, Option<&Chord>),
         accepted: &Accepted,
-    ) -> bool {
-        let tiny = self.is_tiny(accepted.size, trial);
+    ) -> Option<f64> {
         let indefinite = accepted.is_indefinite;
+        let change = Change { size: accepted.size, unbalanced: accepted.unbalanced, contact: trial.contact_change };
+        let tiny = change.size <= self.tol_increment && trial.potential.is_finite();
         let still = match self.rough {
-            None => tiny && self.balances(engine, residual, trial, accepted),
+            None => tiny && self.balances(engine, residual, &change),
             // relative motion decides, for a long rod swings far by little, once forces have found their places: the
             // end of a line of contact moves by about a layer (B/κ)^¼ an iteration, so it has less far to go under the
             // softer law
-            Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= CONTACT_FOUND),
+            Some(tol) => step.extent <= tol && (tiny || change.contact <= CONTACT_FOUND),
         };
-        let balanced = accepted.unbalanced <= BALANCED;
         // motions that change neither potential nor forces are rounding along neutral directions
         let expected = trial.expected.abs();
-        if expected >= accepted.noise || trial.fraction < 1.0 || accepted.goes_on {
-            self.decrements.clear();
+        let ratio = chord.map_or(0.0, |chord| chord.decrease / expected);
+        let stays = ratio > STAYS.start && (!indefinite || ratio < STAYS.end);
+        let idle = expected < accepted.noise && change.unbalanced <= BALANCED && stays && !accepted.goes_on;
+        if trial.fraction < 1.0 {
+            None
+        } else if still && !indefinite {
+            Some(change.size)
         } else {
-            self.decrements.push(expected);
+            idle.then_some(0.0)
         }
-        // steps that leave a saddle grow by far more than that in three steps
-        let stays = |last: f64, before: f64| last > STAYS * before && (!indefinite || STAYS * last < before);
-        let idle = balanced && matches!(self.decrements[..], [.., before, _, _, last] if stays(last, before));
-        trial.fraction == 1.0 && (still && !indefinite || idle)
     }
 
-    /// Whether contact forces have converged after a tiny step.
-    fn balances(&self, engine: &Engine, residual: &Residual, trial: &CorrectedStep, accepted: &Accepted) -> bool {
-        let nearly = trial.contact_change <= NEARLY && accepted.unbalanced <= NEARLY;
-        nearly && accepted.size <= NEARLY * self.tol_increment
-            || is_light(engine, residual, accepted.size, self.tol_increment)
-            || trial.contact_change <= CONTACT_BALANCED.max(10.0 * self.tol_increment)
+    /// Whether a chord is within the tolerance, if forces change by so little in it.
+    pub(super) fn closes(&self, engine: &Engine, there: &Residual, change: &Change) -> bool {
+        self.rough.is_none() && change.size <= self.tol_increment && self.balances(engine, there, change)
+    }
+
+    /// Whether contact forces have converged with a tiny change of the state of `residual`.
+    fn balances(&self, engine: &Engine, residual: &Residual, change: &Change) -> bool {
+        let nearly = change.contact <= NEARLY && change.unbalanced <= NEARLY;
+        nearly && change.size <= NEARLY * self.tol_increment
+            || is_light(engine, residual, change.size, self.tol_increment)
+            || change.contact <= CONTACT_BALANCED.max(10.0 * self.tol_increment)
     }
 }

@@ -40,6 +40,8 @@ pub(super) struct CorrectedStep {
     pub(super) settled: bool,
     /// Why contact could not be resolved there, or at longer parts of the step that were tried before.
     pub(super) obstacle: Option<SolveError>,
+    /// Residual at its state.
+    pub(super) there: Option<Residual>,
     /// C e of the last correction. Its sum with the linear prediction are the stresses that balance the step.
     pub(super) excess: Option<Vec<[Stress; 3]>>,
 }
@@ -80,6 +82,7 @@ impl LinearStep<'_> {
             increment: self.increment.clone(),
             potential: f64::NAN,
             expected: -fraction * step.slope - 0.5 * fraction * fraction * step.curvature,
+            there: None,
             fraction,
             rounds: 0,
             contact_change: 0.0,
@@ -110,6 +113,7 @@ impl Workspace {
         let mut best: Option<CorrectedStep> = None;
         while let Some(there) = self.evaluate(engine, residual, &mut trial) {
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
+                trial.there = Some(there);
                 break;
             }
             let (wanted, excess) = self.corrected(engine, &linear, &trial, there);
@@ -139,11 +143,14 @@ impl Workspace {
     /// Residual of a trial, and its potential and change of contact. `None` where contact cannot be resolved: the step
     /// is too long.
     fn evaluate(&mut self, engine: &mut Engine, before: &Residual, trial: &mut CorrectedStep) -> Option<Residual> {
-        trial.obstacle = timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).err();
-        if trial.obstacle.is_some() {
-            return None;
-        }
-        let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
+        let there = match self.residual_at(engine, &trial.state) {
+            Ok(there) => there,
+            Err(obstacle) => {
+                trial.obstacle = Some(obstacle);
+                return None;
+            }
+        };
+        trial.obstacle = None;
         trial.potential = there.potential.total() - work_of_moments(engine, &trial.increment);
         trial.contact_change = relative_change(before, &there);
         // below the rounding of the potential corrections are rounding, unless the potential rises by more
@@ -215,7 +222,7 @@ impl Workspace {
 }
 
 /// Largest change of a contact force relative to the largest before; 0 if none changes.
-fn relative_change(before: &Residual, after: &Residual) -> f64 {
+pub(super) fn relative_change(before: &Residual, after: &Residual) -> f64 {
     let both = before.contact_forces().zip(after.contact_forces());
     let change = both.fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
     if change == 0.0 { 0.0 } else { change / before.largest_contact_force() }
