@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use supercoil::InputError;
-use supercoil::dna::{HELICAL_REPEAT, RISE};
 use supercoil::dna::base_pairs::{BasePairs, Nodes};
 use supercoil::dna::sequence::Sequence;
+use supercoil::dna::{HELICAL_REPEAT, RISE};
 use supercoil::io::export::Formats;
 use supercoil::io::record::Record;
 use supercoil::io::schema::scene_schema;
@@ -134,7 +134,8 @@ fn base_pairs(
     let pairs = scene.num_base_pairs.get(index).copied().flatten();
     let relaxed = scene.relaxed_links.get(index).copied().flatten();
     let helical_repeat = pairs.zip(relaxed).map_or(HELICAL_REPEAT, |(pairs, link)| pairs as f64 / link);
-    let nodes = Nodes { positions: &positions, frames: &frames, order: rod.order, closed, turns_left_out, helical_repeat };
+    let nodes =
+        Nodes { positions: &positions, frames: &frames, order: rod.order, closed, turns_left_out, helical_repeat };
     let pairs = match at_rest {
         Some(at_rest) if count.is_none_or(|count| count == at_rest.sequence.num_bases()) => at_rest.along(&nodes)?,
         _ => {

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::dna::{HELICAL_REPEAT, RISE};
 use crate::dna::base_pairs::{AtRest, BasePairs, Nodes};
+use crate::dna::{HELICAL_REPEAT, RISE};
 use crate::error::InputError;
 use crate::io::csv::read_state;
 use crate::io::record::{BASE_PAIRS, read_summary};

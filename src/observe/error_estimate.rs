@@ -2,7 +2,7 @@
 
 use crate::error::InputError;
 use crate::scene::Units;
-use crate::solve::{Iteration, Progress, Solver, Status, StepReport};
+use crate::solve::{Progress, Solver, Status, StepReport};
 
 use super::report::Observation;
 use super::state::observe;
@@ -162,7 +162,7 @@ pub fn estimate_error(solver: &Solver) -> Result<ErrorEstimate, InputError> {
     let on_finer_mesh = seen(&fine, Some(&report));
     let stride = 2;
     let mesh = compare(&report, || differences((solver, &coarse), (&fine, &on_finer_mesh), stride));
-    let increment = report.history.iter().flatten().last().map_or(0.0, Iteration::last_increment);
+    let increment = report.history.iter().flatten().last().map_or(0.0, |last| last.increment);
     let touches = coarse.num_sites > 0 || on_finer_mesh.num_sites > 0;
     let contact_law = (touches && report.status == Status::Converged).then(|| {
         let soft = on_finer_mesh;

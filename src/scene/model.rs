@@ -468,16 +468,19 @@ impl Model {
         })
     }
 
-    /// Adds and removes supports; returns whether there was a change.
+    /// Adds and removes supports; returns whether there was a change. What is let go at a node is let go at all nodes
+    /// that share it by joints.
     pub(crate) fn change_supports(&mut self, changes: &[SupportChange]) -> bool {
         let before = self.supports.clone();
         for change in changes {
             match change {
                 SupportChange::Release(gone) => {
-                    for support in self.supports.iter_mut().filter(|support| support.node == gone.node) {
+                    let (joined, turning) = (self.joined_nodes(gone.node), self.turning_nodes(gone.node));
+                    for support in &mut self.supports {
+                        let shares = [joined.contains(&support.node), turning.contains(&support.node)];
                         for k in 0..3 {
-                            support.position[k] &= !gone.position[k];
-                            support.rotation[k] &= !gone.rotation[k];
+                            support.position[k] &= !(shares[0] && gone.position[k]);
+                            support.rotation[k] &= !(shares[1] && gone.rotation[k]);
                         }
                     }
                     self.supports

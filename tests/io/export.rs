@@ -53,6 +53,28 @@ fn a_run_is_exported_with_its_link() {
     assert!(refused.contains("units.length of the scene = \"m\": must be \"nm\""), "{refused}");
 }
 
+/// The double helix of a rod with `dna` is that of its own numbers: base pairs and helical repeat.
+/// Symptom: 10.5 and length over 0.34 nm, whatever the scene said, so that a relaxed ring came out underwound.
+#[test]
+fn a_molecule_is_exported_by_its_own_numbers() {
+    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("export_by_numbers");
+    for (repeat, link, rise) in [(10.0, 40, 0.34), (11.0, 36, 0.33)] {
+        std::fs::remove_dir_all(&dir).ok();
+        let text = format!(
+            "[[rods]]\nclosed = true\nshape = {{ kind = \"circle\" }}\n\
+             dna = {{ base_pairs = 400, helical_repeat = {repeat}, rise = {rise} }}\nelements = 24\n\
+             [output]\nvtk = false\npicture = false\n"
+        );
+        let scene = Scene::from_toml(&text, Path::new("")).unwrap();
+        let outcome = run_scene(scene, &dir, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(outcome.status, Status::Converged);
+        let pairs = base_pairs(&dir, None, None).unwrap();
+        assert_eq!(pairs.positions.len(), 400);
+        let [a, b] = pairs.strands();
+        assert_eq!(linking_number(&a, &b).round() as i32, link, "{repeat}");
+    }
+}
+
 /// 21 base pairs, each step with parameters of its own from a table, held at one end and otherwise free.
 const STEPS: &str = r#"
 [[rods]]
@@ -161,8 +183,14 @@ fn what_is_exported_starts_another_run() {
     std::fs::create_dir_all(&dir).unwrap();
     let twisted = RING.replace("elements = 24", "elements = 24\nexcess_link = -2");
     let rod = &Scene::from_toml(&twisted, Path::new("")).unwrap().model.rods[0];
-    let nodes =
-        Nodes { positions: &rod.positions, frames: &rod.frames, order: 3, closed: Some(-2.0), turns_left_out: 0.0, helical_repeat: HELICAL_REPEAT };
+    let nodes = Nodes {
+        positions: &rod.positions,
+        frames: &rod.frames,
+        order: 3,
+        closed: Some(-2.0),
+        turns_left_out: 0.0,
+        helical_repeat: HELICAL_REPEAT,
+    };
     let pairs = BasePairs::along(&nodes, 336).unwrap();
     BasePairs::write(&dir.join("ring.dat"), pairs.oxdna_configuration()).unwrap();
     BasePairs::write(&dir.join("ring.npy"), pairs.npy()).unwrap();

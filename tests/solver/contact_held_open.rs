@@ -82,7 +82,7 @@ fn neighbours_do_not_hold_contacts_open() {
             let (solver, report) = way(minicircle(stiffness));
             assert_eq!((report.status, report.num_unstable), (Status::Converged, 0));
             let last = report.history.last().unwrap().last().unwrap();
-            assert!(last.last_increment() <= Options::default().newton.tol_increment, "{last:?}");
+            assert!(last.increment <= Options::default().newton.tol_increment, "{last:?}");
             let seen = observed(&solver, &report);
             let open = seen.sites.iter().filter(|site| site.gap > OPEN * RADIUS);
             let work = open.map(|site| site.force * site.gap).sum::<f64>() / elastic(&seen);

@@ -46,7 +46,6 @@ fn seen(solver: &Solver, report: &StepReport) -> Observation {
 fn assert_at_rest(report: &StepReport) {
     let last = report.history.last().unwrap();
     let sizes: Vec<f64> = last.iter().map(|i| i.increment).collect();
-    let sizes: Vec<f64> = sizes.into_iter().chain(last.last().and_then(|last| last.left)).collect();
     let end = sizes[sizes.len() - 1];
     assert!(end < 1e-7, "{sizes:?}");
     assert!(sizes.len() < 2 || end < 1e-3 * sizes[sizes.len() - 2] || end < 1e-9, "{sizes:?}");

@@ -413,6 +413,58 @@ fn j_factors() {
     }
 }
 
+/// Slopes of a free energy do not depend on what was asked before. (The number that a slope was taken by kept the value
+/// of the last difference.)
+#[test]
+fn slopes_do_not_depend_on_each_other() {
+    const KT: f64 = 0.01;
+    let mut solver = cantilever();
+    let names = ["bending", "load", "twisting", "length"];
+    let to = names.map(|name| PrescribedNumber::parse(solver.engine().model(), name).unwrap());
+    let mut slopes = |to: &PrescribedNumber| {
+        EquilibriumTangent::thermal_slope(&mut solver, to, (ContactResponse::ByLaw, KT)).unwrap().total()
+    };
+    let alone: Vec<f64> = to.iter().rev().map(&mut slopes).collect();
+    let again: Vec<f64> = to.iter().map(&mut slopes).collect();
+    for ((name, again), alone) in names.iter().zip(&again).zip(alone.iter().rev()) {
+        verify("cantilever", &format!("slope by {name}"), *again, *alone, 1e-7 * alone.abs().max(KT));
+    }
+}
+
+/// A straight rod without loads bends harmonically, however far: only its stretch is of higher order along the parabola
+/// that a mode is followed on.
+#[test]
+fn a_soft_straight_rod_is_harmonic() {
+    // DNA of 200 and 1000 base pairs, nm and pN
+    for (length, elements) in [(68.0, 12), (340.0, 60)] {
+        let section = Section::isotropic(205.7, 308.6, 1100.0, 1100.0, 1.0);
+        let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length };
+        let rod = Rod::new("rod", &shape, RodMesh::open(elements, 3), section, Natural::Straight).unwrap();
+        let supports = vec![Support::clamp(NodeRef { rod: 0, node: 0 })];
+        let model = Model { rods: vec![rod], supports, ..Model::default() };
+        let mut solver = Solver::new(model, any_equilibrium()).unwrap();
+        reach(&mut solver, &[]);
+        let mut tangent = EquilibriumTangent::at(&mut solver, ContactResponse::Free).unwrap();
+        let worst = tangent.anharmonicity(4, 4.11).unwrap().into_iter().fold(0.0, f64::max);
+        assert!(worst < 0.1, "{length}: {worst}");
+    }
+}
+
+/// What a motion that costs nothing changes has no standard deviation; a distance has.
+#[test]
+fn free_ends_have_no_deviation() {
+    let section = Section::isotropic(1.0, 1.5, RIGID, RIGID, 0.0);
+    let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+    let rod = Rod::new("rod", &shape, RodMesh::open(8, 3), section, Natural::Straight).unwrap();
+    let model = Model { rods: vec![rod], contact: Contact::NONE, ..Model::default() };
+    let mut solver = Solver::new(model, any_equilibrium()).unwrap();
+    reach(&mut solver, &[]);
+    let mut tangent = EquilibriumTangent::at(&mut solver, ContactResponse::ByLaw).unwrap();
+    let position = Observable::Position { node: NodeRef { rod: 0, node: 24 }, axis: 1 };
+    assert!(tangent.covariance(&[position], 0.1).is_err());
+    assert!(tangent.covariance(&[Observable::Extension { rod: 0 }], 0.1).is_ok());
+}
+
 /// The J-factor of a piece of DNA with a protein on it whose end is where it is without stress: 8π²√det(K)/(2πkT)³, K
 /// the reactions of the held end by its six motions. Two determinants of all unknowns beside one of six, found by
 /// derivatives.

@@ -14,7 +14,8 @@ use supercoil::math::Vec3;
 use supercoil::rod::{Along, Natural, NaturalStrains, Rod, RodMesh, RodNumber, Section, Shape};
 use supercoil::scene::model::{Hinge, Side};
 use supercoil::scene::{
-    Contact, ContactLaw, Joint, LineLoad, Model, NodeLoad, NodeRef, Obstacle, ObstacleNumber, Ramp, Support,
+    Contact, ContactLaw, Electrostatics, Joint, LineLoad, Model, NodeLoad, NodeRef, Obstacle, ObstacleNumber, Ramp,
+    Support,
 };
 use supercoil::solve::{Options, Solver, Status};
 use supercoil::tangent::{ContactResponse, EquilibriumTangent, Observable, PrescribedNumber};
@@ -367,6 +368,121 @@ fn ring_about_a_cylinder() {
     let of_force = tangent.gradient(&Observable::ContactForce, &to).unwrap();
     verify("ring about a cylinder", "dF/dR", of_force[2], length * STRETCHING, 2e-3 * length * STRETCHING);
     verify("ring about a cylinder", "dF/dL", of_force[0], -STRETCHING * stretch, 2e-3 * STRETCHING * stretch);
+}
+
+/// Moments about axes of space where a node turns: at a hinge by anything, at a clamp by its own rotation. The gradient
+/// by rotation vectors is symmetric; the rate of a moment is not, by ½ δθ × m.
+#[test]
+fn moments_at_a_hinge_and_a_clamp() {
+    let section = Section { bending: [1.0, 1.4], ..Section::isotropic(1.0, 0.8, 1e3, 1e3, 0.0) };
+    let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+    let rod = Rod::new("rod", &shape, RodMesh::open(9, 3), section, Natural::Straight).unwrap();
+    let ends = [0, rod.num_nodes() - 1].map(|node| NodeRef { rod: 0, node });
+    let hinge = Support { node: ends[0], position: [true; 3], rotation: [true, false, true] };
+    let load = NodeLoad { node: NodeRef { rod: 0, node: 13 }, force: Vec3::new(0.5, 2.0, -3.0), moment: Vec3::zeros() };
+    for at_start in [Support::clamp(ends[0]), hinge] {
+        let model = Model {
+            rods: vec![rod.clone()],
+            supports: vec![at_start, Support::clamp(ends[1])],
+            loads: vec![load],
+            contact: Contact::NONE,
+            ..Model::default()
+        };
+        let mut solver = solver(model);
+        reach(&mut solver, &[Ramp::Rotation { node: ends[1], axis: Vec3::new(0.2, 1.0, 0.3), to: 0.08 }]);
+        let of: Vec<Observable> =
+            [3, 5, 2].into_iter().map(|component| Observable::Reaction { node: ends[0], component }).collect();
+        let moved = |direction: Vec3| {
+            let ramp = move |by: f64| Ramp::Displacement { node: ends[1], to: direction * by };
+            let parameter = PrescribedNumber::Displacement { node: ends[1], direction };
+            (parameter, Box::new(ramp) as Box<dyn Fn(f64) -> Ramp>, 1e-3)
+        };
+        let mut to =
+            vec![number(0, RodNumber::Bending2, 1.4, 1e-2), moved(Vec3::z()), moved(-Vec3::x()), self::load(1e-2)];
+        if at_start == Support::clamp(ends[0]) {
+            let axis = Vec3::new(0.3, -0.5, 1.0).normalize();
+            let turn = move |by: f64| Ramp::Rotation { node: ends[0], axis, to: by };
+            to.push((PrescribedNumber::Rotation { node: ends[0], axis }, Box::new(turn), 1e-3));
+        }
+        against_runs("moments at a support", &mut solver, (&of, &to), &press_by_load, 1e-5);
+    }
+}
+
+/// A pressed ring in the plane that one clamp carries: the reaction is the load, and a motion of the clamp moves the
+/// whole. (The stiffness of the pressure was missing where nodes are supported.)
+#[test]
+fn a_pressed_ring_is_carried_by_its_clamp() {
+    let section = Section::isotropic(1.0, 1.0, 1e3, 1e3, 0.0);
+    let shape = Shape::Circle { length: std::f64::consts::TAU, center: Vec3::zeros(), normal: Vec3::z() };
+    let rod = Rod::new("ring", &shape, RodMesh::closed(24, 3), section, Natural::Straight).unwrap();
+    let [held, loaded, other] = [0, 36, 20].map(|node| NodeRef { rod: 0, node });
+    let force = Vec3::new(0.3, 0.5, 0.0);
+    let model = Model {
+        rods: vec![rod],
+        supports: vec![Support::clamp(held)],
+        loads: vec![NodeLoad { node: loaded, force, moment: Vec3::zeros() }],
+        contact: Contact::NONE,
+        planar: true,
+        ..Model::default()
+    };
+    let mut solver = solver(model);
+    reach(&mut solver, &[Ramp::Load { to: 1.0 }, Ramp::Pressure { rod: 0, to: 2.0 }]);
+    let mut tangent = EquilibriumTangent::at(&mut solver, ContactResponse::ByLaw).unwrap();
+    let to = [PrescribedNumber::Load, PrescribedNumber::Displacement { node: held, direction: Vec3::x() }];
+    for (component, exact) in [(0, -force.x), (1, -force.y)] {
+        let of = Observable::Reaction { node: held, component };
+        let found = tangent.gradient(&of, &to).unwrap();
+        verify("pressed ring", &format!("d force {component} / d load"), found[0], exact, 1e-8);
+        verify("pressed ring", &format!("d force {component} / d displacement"), found[1], 0.0, 1e-6);
+    }
+    let moved = tangent.gradient(&Observable::Position { node: other, axis: 0 }, &to).unwrap();
+    verify("pressed ring", "d position / d displacement", moved[1], 1.0, 1e-8);
+}
+
+/// Charges along a ring that grows.
+#[test]
+fn a_charged_ring_that_grows() {
+    let section = Section::isotropic(50.0, 75.0, 1e3, 1e3, 1.0);
+    let shape = Shape::Circle { length: 60.0, center: Vec3::zeros(), normal: Vec3::z() };
+    let rod = Rod::new("ring", &shape, RodMesh::closed(24, 3), section, Natural::Straight).unwrap();
+    let model = Model {
+        rods: vec![rod],
+        electrostatics: Some(Electrostatics { strength: 4.0, debye_length: 3.0 }),
+        ..Model::default()
+    };
+    let mut solver = solver(model);
+    reach(&mut solver, &[Ramp::ExcessLink { rod: 0, to: -1.5 }]);
+    assert!(!solver.engine().is_touching(), "charges keep the strands apart");
+    let length = number(0, RodNumber::Length, 60.0, 1e-2);
+    let press = |_: bool| Ramp::ExcessLink { rod: 0, to: -1.5 };
+    let of = [Observable::Energy, Observable::Writhe { rod: 0 }, Observable::SeamMoment { rod: 0 }];
+    against_runs("charged ring", &mut solver, (&of, &[length]), &press, 1e-4);
+}
+
+/// What no support holds moves by no ramp and bears nothing.
+#[test]
+fn only_what_is_held_moves_and_bears() {
+    let section = Section::isotropic(1.0, 0.8, 1e3, 1e3, 0.0);
+    let shape = Shape::Line { start: Vec3::zeros(), direction: Vec3::x(), length: 1.0 };
+    let rod = Rod::new("rod", &shape, RodMesh::open(4, 3), section, Natural::Straight).unwrap();
+    let mut model = common::cantilever(rod, Vec3::new(0.0, 0.1, 0.0), Vec3::zeros());
+    let end = NodeRef { rod: 0, node: 12 };
+    model.supports.push(Support { node: end, position: [false, true, true], rotation: [false; 3] });
+    let mut solver = solver(model);
+    reach(&mut solver, &[Ramp::Load { to: 1.0 }]);
+    let mut tangent = EquilibriumTangent::at(&mut solver, ContactResponse::ByLaw).unwrap();
+    let names = ["displacement_x:rod:end", "displacement_y:rod:end", "rotation_y:rod:end", "displacement_z:rod:3"];
+    let refused = names.map(|name| {
+        let parameter = PrescribedNumber::parse(tangent.model(), name).unwrap();
+        tangent.gradient(&Observable::Energy, &[parameter]).is_err()
+    });
+    assert_eq!(refused, [true, false, true, true]);
+    let names = ["force_x:rod:end", "force_y:rod:end", "moment_x:rod:start", "force_z:rod:5"];
+    let refused = names.map(|name| {
+        let observable = Observable::parse(tangent.model(), name).unwrap();
+        tangent.value(&observable).is_err()
+    });
+    assert_eq!(refused, [true, false, false, true]);
 }
 
 /// Natural strains by the rows of a table, in pieces shorter than elements.

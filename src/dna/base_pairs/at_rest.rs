@@ -57,7 +57,14 @@ impl AtRest {
         let arcs: Vec<f64> = (0..=helix.num_steps).map(|k| part(k, helix.num_steps)).collect();
         let (axis, exact) = (rest_poses(&helix.natural, &nodes)?, rest_poses(&helix.steps, &arcs)?);
         let (positions, frames): (Vec<Vec3>, Vec<Quat>) = axis.iter().map(|at| (at.position, at.frame)).unzip();
-        let rod = Nodes { positions: &positions, frames: &frames, order, closed: None, turns_left_out: 0.0, helical_repeat: HELICAL_REPEAT };
+        let rod = Nodes {
+            positions: &positions,
+            frames: &frames,
+            order,
+            closed: None,
+            turns_left_out: 0.0,
+            helical_repeat: HELICAL_REPEAT,
+        };
         let on_rod = |k: usize| {
             let (position, frame) = rod.at(k as f64 / helix.num_steps as f64);
             (frame.inverse() * exact[k].frame, frame.inverse() * (exact[k].position - position))

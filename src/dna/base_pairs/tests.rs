@@ -11,8 +11,14 @@ fn ring(link: f64, count: usize) -> BasePairs {
     let section = Section::isotropic(200.0, 300.0, 1e3, 1e3, 0.0);
     let rod = Rod::new("ring", &circle, RodMesh::closed(40, 3), section, Natural::Straight).unwrap();
     let rod = rod.with_excess_link(link).unwrap();
-    let nodes =
-        Nodes { positions: &rod.positions, frames: &rod.frames, order: 3, closed: Some(link), turns_left_out: 0.0, helical_repeat: HELICAL_REPEAT };
+    let nodes = Nodes {
+        positions: &rod.positions,
+        frames: &rod.frames,
+        order: 3,
+        closed: Some(link),
+        turns_left_out: 0.0,
+        helical_repeat: HELICAL_REPEAT,
+    };
     BasePairs::along(&nodes, count).unwrap()
 }
 

@@ -8,6 +8,9 @@
 //! have ripples of 1e-9 m, and their layer is pressed in by 1e-11 m. Such fragments lie up to an element apart. Two
 //! points may, too, but not three in a row: a row is one site.
 //!
+//! A contact that lies inside another one on both strands is part of it: where a strand winds about a thicker one, feet
+//! run back at the ends of the line, and what is seen of these from the thick strand alone is no view of the line.
+//!
 //! A strong point force bends its element as the element cannot, and the strands touch once more beside it. Such a
 //! ripple is part of the stronger contact.
 
@@ -68,6 +71,13 @@ pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, l
         let near = near(curves);
         [0, 1].map(|k| near[k].max(layer.elements[curves[k]]))
     };
+    let is_inside = |x: &ContactView, y: &ContactView, _: f64| {
+        let (inner, outer) = if x.length < y.length { (x, y) } else { (y, x) };
+        let within = |k: usize, at: f64| arc::apart([at; 2], outer.arcs[k], set.period(outer.curves[k])) <= 0.0;
+        [0, 1].into_iter().all(|k| inner.arcs[k].into_iter().all(|end| within(k, end)))
+    };
+    let next = neighbours(set, zones, &groups, near, is_inside);
+    let groups = merged(&groups, &next, 1);
     let next = neighbours(set, zones, &groups, near, is_alike);
     let groups = merged(&groups, &next, 1);
     let next = neighbours(set, zones, &groups, within_an_element, is_alike);
@@ -119,7 +129,7 @@ fn neighbours(
     zones: &[SiteZone],
     groups: &[Members],
     reach: impl Fn([usize; 2]) -> [f64; 2],
-    is_one: fn(&ContactView, &ContactView, f64) -> bool,
+    is_one: impl Fn(&ContactView, &ContactView, f64) -> bool,
 ) -> Vec<Members> {
     let mut sides: Vec<ContactView> =
         groups.iter().enumerate().flat_map(|(k, members)| both(set, zones, k, members)).collect();

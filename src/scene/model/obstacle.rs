@@ -14,6 +14,8 @@ pub use crate::math::signed_distance::Skeleton;
 
 use super::{Model, NodeRef, unit};
 
+/// Names that columns of tables begin with, of contact and of ends of rods: `contact_force`, `end_displaced_x`.
+const TAKEN: [&str; 3] = ["contact", "start", "end"];
 /// Deviation of a normal's or an axis's length from 1 that counts as rounding.
 const TOL_UNIT: f64 = 1e-9;
 /// Depth of a rod's surface at the start, over its contact radius, that is refused: more than a penalty leaves at rest.
@@ -374,6 +376,13 @@ impl Model {
             let field = format!("{place}.{key}");
             if ok { Ok(()) } else { Err(InputError::Vector { field, value: (*value).into(), allowed }) }
         };
+        if TAKEN.contains(&obstacle.name.as_str()) {
+            let reason = format!(
+                "is \"{}\", as which columns of tables begin already ({0}_force): give the obstacle another name",
+                obstacle.name
+            );
+            return Err(InputError::inconsistent(format!("{place}.name"), reason));
+        }
         let finite = |v: &Vec3| v.iter().all(|x| x.is_finite());
         let point = obstacle.skeleton.point();
         vector("point", &point, finite(&point), "three finite numbers")?;

@@ -33,7 +33,7 @@ const ROUGH_EXTENT: f64 = 0.01;
 pub(in crate::solve) const TURNS_AT_ONCE: f64 = 1.0;
 
 impl Solver {
-    /// Applies the drive in parts, under the core law first where contact is augmented; the increment that is left.
+    /// Applies the drive in parts, under the core law first where contact is augmented; the size of the last increment.
     pub(super) fn continue_over_laws(
         &mut self,
         drive: &PrescribedMotion,

@@ -22,10 +22,12 @@
 //!   to be predicted that ends lower or higher by a hundredth of its work, and whose search neither began where the
 //!   branch leads nor found it unstable there, is halved until the branch can be predicted from its own states.
 //! * A step that ends far below E*, and not in its own balance, has snapped, or its branch bends much, as that of a
-//!   taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)) or of a strut that
-//!   buckles. Unless it ends where it was foreseen it is halved once. A snap sets as much free in a half as in the
-//!   whole: the balance of a half lacks it. What that of a smooth branch lacks falls eightfold, and is a part of E* − E₁
-//!   to begin with.
+//!   taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)), of a strut that
+//!   buckles, or of a rod that touches something. Unless it ends where it was foreseen, the energy that it seems to have
+//!   set free is compared with |W₁ − W*|, W* the work under the forces that the branch foresees at the end. A snap sets
+//!   as much free in a half as in the whole, so that this ratio doubles from half to half, beyond 1. At a kink it is at
+//!   most ½, because the energy is the integral of a force that begins to change within the step; on a smooth branch it
+//!   falls.
 //!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
@@ -58,10 +60,6 @@ const SNAP: f64 = 0.1;
 /// because a doubt costs iterations only: a tenth of what is reported as a snap. A ring that lost one of two contacts
 /// missed it by 0.096.
 const DOUBTFUL: f64 = 0.01;
-
-/// Part of what a step ended below its branch that the balance of a half lacks where it has snapped, because a strut
-/// that buckles leaves a fiftieth of it at one and a half times its critical load, and a fifteenth at three times.
-const KEPT: f64 = 0.25;
 
 /// Changes that a step prescribes.
 #[derive(Debug)]
@@ -99,6 +97,8 @@ pub(in crate::solve) struct Departure {
     gap: f64,
     /// Size of the step's work \[F·L\].
     work: f64,
+    /// Change of the step's work from forces that were not foreseen at its end \[F·L\].
+    turn: f64,
     rounding: f64,
 }
 
@@ -114,18 +114,16 @@ impl Departure {
         self.is_above(DOUBTFUL) && self.gap.abs() > CLOSED * self.released.abs()
     }
 
-    /// Energy that the step has set free \[F·L\], where it ends below both; 0 on a branch. Of a half, `whole` is what
-    /// the whole step seemed to set free: a snap sets as much free in a half.
-    pub(in crate::solve) fn released(&self, whole: f64) -> f64 {
-        let is_below = self.is_above(SNAP) && self.gap > CLOSED * self.released && self.gap >= KEPT * whole;
-        if is_below { self.released.max(0.0) } else { 0.0 }
+    /// What the step seems to have set free, over the change of its work by forces that were not foreseen, if it ends
+    /// below E*, and not in balance: it has snapped, or its branch bends. Above 1 it has snapped.
+    pub(in crate::solve) fn ratio(&self) -> Option<f64> {
+        let is_open = self.gap.abs() > CLOSED * self.released;
+        (self.is_above(SNAP) && self.released > 0.0 && is_open).then(|| self.released / self.turn)
     }
 
-    /// What the step seems to have set free \[F·L\]: it ends below E*, and not in balance. It has snapped, or its
-    /// branch bends.
-    pub(in crate::solve) fn snaps_or_bends(&self) -> Option<f64> {
-        let is_open = self.gap.abs() > CLOSED * self.released;
-        (self.is_above(SNAP) && self.released > 0.0 && is_open).then_some(self.released)
+    /// Energy below the branch's \[F·L\].
+    pub(in crate::solve) fn released(&self) -> f64 {
+        self.released
     }
 }
 
@@ -133,13 +131,16 @@ impl Balance {
     /// How the end of a step from here compares with its branch. `last` is the work of the step before
     /// under the forces at both of its ends, and how many times as long this step is.
     pub(in crate::solve) fn departure(&self, end: &Self, last: Option<([f64; 2], f64)>) -> Departure {
-        let branch = last.map_or(self.work.min(end.work), |([start, end], stride)| {
-            self.work + 0.5 * stride * stride * (end - start)
+        // the energy and the work at the end of the branch
+        let (branch, foreseen) = last.map_or((self.work.min(end.work), self.work), |([start, end], stride)| {
+            let change = stride * stride * (end - start);
+            (self.work + 0.5 * change, self.work + change)
         });
         let gained = end.energy - self.energy;
         let (released, gap) = (branch - gained, 0.5 * (self.work + end.work) - gained);
         let work = self.work.abs().max(end.work.abs()).max(branch.abs());
-        Departure { released, gap, work, rounding: self.rounding + end.rounding }
+        let turn = (end.work - foreseen).abs();
+        Departure { released, gap, work, turn, rounding: self.rounding + end.rounding }
     }
 }
 

@@ -14,11 +14,11 @@ pub(in crate::solve) const MAX_TANGENT_ROUNDS: usize = 3;
 
 impl Solver {
     /// Raises and lowers offsets until penetrations and gaps open under force are within the tolerance, and the
-    /// tangents of the contact centrelines are those of the state. From a search that left this increment; by
+    /// tangents of the contact centrelines are those of the state. From a search whose last increment is this; by
     /// searches that leave unstable equilibria so often.
     pub(super) fn enforce_contact(
         &mut self,
-        mut left: f64,
+        mut increment: f64,
         max_escapes: usize,
         report: &mut StepReport,
     ) -> Result<(), Failed> {
@@ -30,18 +30,18 @@ impl Solver {
         loop {
             if num_followed < MAX_TANGENT_ROUNDS && self.engine.follow_tangents() {
                 num_followed += 1;
-                left = self.search_nearly(max_escapes, report)?;
+                increment = self.search_nearly(max_escapes, report)?;
                 continue;
             }
             let outstanding =
                 secant_steps.as_mut().and_then(|steps| Some((self.outstanding_in(report, steps)?, steps)));
             match outstanding {
-                None if left <= self.options.newton.tol_increment => return Ok(()),
+                None if increment <= self.options.newton.tol_increment => return Ok(()),
                 None => {
                     let options = SearchOptions { max_escapes, ..self.search_options() };
                     self.search(&PrescribedMotion::default(), &options, report)?;
                     // to the full tolerance
-                    left = 0.0;
+                    increment = 0.0;
                 }
                 Some(_) if report.augmentations >= self.options.max_augmentations => {
                     return Err(Status::Penetration.into());
@@ -49,7 +49,7 @@ impl Solver {
                 Some((gaps, steps)) => {
                     self.augment(&gaps, steps);
                     report.augmentations += 1;
-                    left = self.search_nearly(max_escapes, report)?;
+                    increment = self.search_nearly(max_escapes, report)?;
                 }
             }
         }
@@ -63,9 +63,13 @@ impl Solver {
         outstanding.gaps
     }
 
-    /// A search between two augmentations.
+    /// A search between two augmentations. Newton's method converges quadratically, so after a last increment of √tol
+    /// the error is of the order of tol; the last search of all uses the tolerance itself.
     fn search_nearly(&mut self, max_escapes: usize, report: &mut StepReport) -> Result<f64, Failed> {
-        let options = SearchOptions { max_escapes, near_rest: true, ..self.search_options() };
+        let mut options = SearchOptions { max_escapes, near_rest: true, ..self.search_options() };
+        if self.augments() && self.is_near_contact()? {
+            options.newton.tol_increment = options.newton.tol_increment.sqrt();
+        }
         self.search(&PrescribedMotion::default(), &options, report)
     }
 }

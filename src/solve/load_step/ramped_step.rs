@@ -7,23 +7,41 @@ use crate::math::Vec3;
 use crate::math::quaternion::exp;
 use crate::scene::model::{RemainingPath, unit};
 use crate::scene::{NodeRef, Pose, Ramp, Stage, SupportChange};
-use crate::solve::load_step::energy_balance::Departure;
 use crate::solve::load_step::guess::Ahead;
 use crate::solve::load_step::predictor::{FARTHEST, History, Prediction};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
 
+/// Times that halves may seem no more like a snap than the whole, before a step counts as a bend, because twice is the
+/// error of E*, which falls, and chance at a kink, which lies in either half of a half.
+const CHANCES: usize = 2;
+/// Factor on the ratio of a step from which a half is more like a snap, because it is 2 at a snap, and on a smooth branch
+/// ½.
+const MORE: f64 = 1.5;
+
 /// What is made of a step that may have lost its branch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Doubts {
     /// It is made again in halves.
     Open,
-    /// It is a part of a step that seemed to set so much energy free \[F·L\]. It is halved again only where it is too
-    /// long to be predicted.
-    OfHalf { whole: f64 },
+    /// It is a part of a step with this ratio (`energy_balance::Departure`), and of so many that were no more like snaps
+    /// than the wholes.
+    OfHalf { ratio: f64, chances: usize },
     /// It is taken as it is, because its halves have failed.
     Settled,
+}
+
+impl Doubts {
+    /// Those about the halves of a step that may have snapped; `None` if it has, or not.
+    fn of_halves(self, ratio: f64) -> Option<Self> {
+        let chances = match self {
+            Self::OfHalf { ratio: whole, chances } if ratio < MORE * whole => chances + 1,
+            Self::OfHalf { chances, .. } => chances,
+            Self::Open | Self::Settled => 0,
+        };
+        (ratio <= 1.0 && chances <= CHANCES).then_some(Self::OfHalf { ratio, chances })
+    }
 }
 
 impl Solver {
@@ -152,20 +170,20 @@ impl Solver {
                 Ahead::Predicted(prediction) => prediction.is_met(&self.engine, &lifted.state),
                 Ahead::Unknown | Ahead::Present => false,
             };
-            let of_halves = |departure: Departure| {
-                let seemed = if doubts == Doubts::Open { departure.snaps_or_bends() } else { None };
-                let is_lost = doubts != Doubts::Settled && !is_on_branch && departure.is_doubtful();
-                match seemed.filter(|_| !is_met()) {
-                    Some(seemed) => Some(Doubts::OfHalf { whole: seemed }),
-                    None => (is_too_long && is_lost).then_some(doubts),
-                }
+            // a step that ends where it was foreseen has kept its branch
+            let ratio = departure.and_then(|departure| departure.ratio()).filter(|_| !is_met());
+            let is_lost = !is_on_branch && departure.is_some_and(|departure| departure.is_doubtful());
+            let of_halves = match (doubts, ratio) {
+                (Doubts::Settled, _) => None,
+                (_, None) => (is_too_long && is_lost).then_some(doubts),
+                (_, Some(ratio)) => doubts.of_halves(ratio),
             };
-            let of_halves = departure.and_then(of_halves);
             if of_halves.is_some() {
                 return (report, of_halves);
             }
-            let whole = if let Doubts::OfHalf { whole } = doubts { whole } else { 0.0 };
-            report.energy_released = departure.map_or(0.0, |departure| departure.released(whole));
+            let is_snap = |ratio: &f64| *ratio > 1.0 || doubts == Doubts::Settled;
+            let snapped = ratio.filter(is_snap).and(departure);
+            report.energy_released = snapped.map_or(0.0, |departure| departure.released());
             self.history.work = balance.filter(|_| report.energy_released == 0.0).map(|(a, b)| [a.work, b.work]);
             self.moved.go_on(target, &lifted.spun);
         }

@@ -73,7 +73,7 @@ impl Solver {
         self.accept(ended, report)
     }
 
-    /// The search from one start, if it applies; the increment that it leaves.
+    /// The search from one start, if it applies; the size of its last increment.
     fn start(
         &mut self,
         origin: Origin,

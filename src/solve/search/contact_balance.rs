@@ -5,6 +5,7 @@ use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
 use crate::solve::search::newton::unbalanced;
+use crate::solve::search::timing::timed;
 use crate::solve::search::workspace::Workspace;
 
 /// Increment, over the tolerance, that is far below it.
@@ -14,24 +15,25 @@ const BENDS_NOTHING: f64 = 1e-6;
 
 /// Largest force out of balance over the largest contact force, because the most exact preset states contact forces to
 /// 5e-4. With 1e-3 light forces on stiff contact are off by as much.
-pub(super) const UNBALANCED: f64 = 1e-4;
+const UNBALANCED: f64 = 1e-4;
 
 impl Workspace {
-    /// Whether the forces of contact are in balance at `state`, up to a part of the largest, after a step of this size
-    /// from `before`: contact is so stiff that a step below the tolerance may change them much.
+    /// Whether the forces of contact are in balance at `state`, after a step of this size from `before`: contact is so
+    /// stiff that a step below the tolerance may change them much.
     pub(super) fn balances_contact(
         &mut self,
         engine: &mut Engine,
         (before, state): (&Residual, &State),
-        (size, tol_increment, part): (f64, f64, f64),
+        (size, tol_increment): (f64, f64),
     ) -> Result<bool, SolveError> {
         if engine.contact.is_empty() {
             return Ok(true);
         }
-        let mut there = self.residual_at(engine, state)?;
+        timed(&mut self.timings.detection, || engine.update_contact(state))?;
+        let mut there = timed(&mut self.timings.assembly, || engine.residual_of_trial(state));
         self.zero_energy.remove_forces(&mut there);
         let largest = before.largest_contact_force().max(there.largest_contact_force());
-        Ok(unbalanced(engine, &there) <= part * largest * engine.scales.lever
+        Ok(unbalanced(engine, &there) <= UNBALANCED * largest * engine.scales.lever
             || is_light(engine, before, size, tol_increment))
     }
 }

@@ -6,14 +6,12 @@
 //! | `equilibrate` | a search from start to end; begin here |
 //! | `newton` | the plain search |
 //! | `trust_region` | the guarded search: corrected steps that the potential confirms |
-//! | `chord` | what is left after a short step |
 //! | `contact_balance` | whether contact is in balance after a search |
 //! | `second_order` | forces that a step's linear prediction missed |
 //! | `step_bound` | the longest step in which no strand passes another |
 //! | `stability` | unstable directions of a state |
 //! | `interrupt`, `timing` | a request to stop; where the time went |
 
-mod chord;
 pub(in crate::solve) mod contact_balance;
 mod equilibrate;
 pub(in crate::solve) mod interrupt;

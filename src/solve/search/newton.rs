@@ -2,13 +2,9 @@
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::BALANCED;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
-use crate::solve::problem::state::State;
-use crate::solve::search::chord::SHORT;
-use crate::solve::search::contact_balance::UNBALANCED;
 use crate::solve::search::interrupt::Interrupt;
 use crate::solve::search::workspace::Workspace;
 
@@ -54,17 +50,6 @@ pub struct Iteration {
     pub potential: f64,
     /// Correction rounds spent on the step's factorisation.
     pub rounds: usize,
-    /// Size of the increment that is left at the end of the search: that of a last correction on the step's
-    /// factorisation, or 0 where the step was rounding. `None`: the step ended the search, or was followed by another.
-    pub left: Option<f64>,
-}
-
-impl Iteration {
-    /// Size of the increment by which the state may still be off after this iteration, the last one of a search.
-    #[must_use]
-    pub fn last_increment(&self) -> f64 {
-        self.left.unwrap_or(self.increment)
-    }
 }
 
 /// Result of an equilibrium search.
@@ -91,12 +76,9 @@ pub(crate) struct NewtonReport {
 }
 
 impl NewtonReport {
-    /// Converged with this left of the increment; goes on without.
-    pub(super) fn end_with(&mut self, left: Option<f64>) {
-        (self.converged, self.left) = (left.is_some(), left.unwrap_or(0.0));
-        if let Some(last) = self.iterations.last_mut() {
-            last.left = left.filter(|left| *left != last.increment);
-        }
+    /// Converged with an increment of this size left.
+    pub(super) fn end_with(&mut self, left: f64) {
+        (self.converged, self.left) = (true, left);
     }
 }
 
@@ -104,7 +86,7 @@ impl Iteration {
     /// A step that is not yet known, from a state with this residual.
     fn from(engine: &Engine, residual: &Residual) -> Self {
         let (unbalanced, potential) = (relative_residual(engine, residual), residual.potential.total());
-        Self { increment: f64::NAN, residual: unbalanced, fraction: 0.0, shift: 0.0, potential, rounds: 0, left: None }
+        Self { increment: f64::NAN, residual: unbalanced, fraction: 0.0, shift: 0.0, potential, rounds: 0 }
     }
 }
 
@@ -178,10 +160,11 @@ impl Workspace {
             engine.take_state(state.clone());
             // pressures of the law before are used in the first step under a new one only
             engine.contact.before = None;
-            if fraction == 1.0 {
-                report.end_with(self.left_after(engine, &residual, &mut state, [increment, options.tol_increment])?);
-            }
-            if report.converged {
+            if fraction == 1.0
+                && increment <= options.tol_increment
+                && self.balances_contact(engine, (&residual, &state), (increment, options.tol_increment))?
+            {
+                report.end_with(increment);
                 break;
             }
             // a search that diverges ends early if another one can follow
@@ -192,32 +175,6 @@ impl Workspace {
         self.finish(engine, search, report)
     }
 
-    /// Increment that is left after a full step of this size, if the search ends with it or, after a short one, with a
-    /// chord beyond it.
-    fn left_after(
-        &mut self,
-        engine: &mut Engine,
-        before: &Residual,
-        state: &mut State,
-        [size, tol]: [f64; 2],
-    ) -> Result<Option<f64>, SolveError> {
-        if size <= tol {
-            return Ok(self.balances_contact(engine, (before, state), (size, tol, UNBALANCED))?.then_some(size));
-        }
-        if size > SHORT {
-            return Ok(None);
-        }
-        let mut there = self.residual_at(engine, state)?;
-        let chord = self.chord(engine, &mut there);
-        let end = engine.retract(state, &chord.increment, 1.0);
-        let closes = chord.size <= tol && self.balances_contact(engine, (&there, &end), (chord.size, tol, BALANCED))?;
-        if closes {
-            engine.take_state(end.clone());
-            *state = end;
-        }
-        Ok(closes.then_some(chord.size))
-    }
-
     /// Brings contact up to date with the state where a search ended, and counts the unstable directions there.
     pub(super) fn finish(
         &mut self,
@@ -225,9 +182,8 @@ impl Workspace {
         search: &SearchOptions,
         mut report: NewtonReport,
     ) -> Result<NewtonReport, SolveError> {
-        // the tangent of a state no farther away than a short step need not be made anew
-        let short = search.newton.tol_increment.max(SHORT);
-        let is_near = report.left == 0.0 || report.iterations.last().is_some_and(|last| last.increment <= short);
+        // the tangent of a state no farther away than the tolerance need not be made anew
+        let is_near = report.converged && report.left <= search.newton.tol_increment;
         let is_known = !report.iterations.is_empty() && is_near && self.is_known_stable();
         let state = engine.state().clone();
         self.refresh(engine, &state)?;

@@ -29,11 +29,10 @@ use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
-use crate::solve::search::chord::{Chord, SHORT};
 use crate::solve::search::newton::{Iteration, NewtonReport, SearchOptions, increment_size, relative_residual};
 use crate::solve::search::workspace::{Workspace, neutral_shift};
-use convergence::{Accepted, Change, Convergence};
-use corrected_step::{CorrectedStep, StepStart, relative_change};
+use convergence::{Accepted, Convergence};
+use corrected_step::{CorrectedStep, StepStart};
 use progress::SearchProgress;
 use radius::{LARGEST, StepOutcome, TrustRegion};
 use step::ModelStep;
@@ -192,7 +191,6 @@ impl Workspace {
                 shift,
                 potential: residual.potential.total(),
                 rounds: trial.rounds,
-                left: None,
             });
             if is_accepted {
                 let is_indefinite = shift > neutral_shift(engine);
@@ -203,7 +201,7 @@ impl Workspace {
             // farther (a step that was cut short shows nothing)
             let unseen = trial.expected.abs() < residual.rounding * trial.fraction * (2.0 - trial.fraction);
             if shift == 0.0 && !search.is_pushed() && unseen {
-                search.report.end_with(Some(0.0));
+                search.report.end_with(0.0);
                 return Ok(Advance::Done);
             }
             search.rejections += 1;
@@ -263,70 +261,25 @@ impl Workspace {
         engine: &mut Engine,
         search: &mut Search,
         (residual, accepted): (&Residual, Accepted),
-        (step, mut trial): (&ModelStep, CorrectedStep),
+        (step, trial): (&ModelStep, CorrectedStep),
     ) -> Result<Advance, SolveError> {
         search.remaining *= 1.0 - trial.fraction;
         let accepted = Accepted { goes_on: search.is_pushed(), ..accepted };
-        let there = trial.there.take();
-        let mut chord = self.chord_after(engine, residual, (&trial, there), &accepted);
-        let next = chord.as_ref().map(|(chord, _)| chord);
-        search.report.end_with(search.rest.left(engine, residual, (step, &trial, next), &accepted));
+        if let Some(left) = search.rest.left(engine, residual, (step, &trial), &accepted) {
+            search.report.end_with(left);
+        }
         search.rejections = if search.rest.is_stuck(&accepted) { search.rejections + 1 } else { 0 };
         let potential = search.potential(residual);
         self.move_to(engine, search, residual, (step, trial));
-        if let Some((chord, there)) = chord.take_if(|_| !search.report.converged && !accepted.is_indefinite) {
-            self.close(engine, search, &chord, &there)?;
-        }
         let lingers = search.rest.lingers(&potential, &accepted) && !search.report.converged;
         let balanced = accepted.unbalanced <= BALANCED;
         // out of balance it is no equilibrium: the caller leaves it, or the search has failed; without a potential it
         // may still become one, a negative eigenvalue or not
         if lingers && (balanced || engine.is_conservative()) && self.count_unstable(engine)? > 0 {
-            search.report.end_with(Some(accepted.size));
+            search.report.end_with(accepted.size);
             search.report.at_saddle = !balanced;
         }
         Ok(if search.rejections > HALVINGS { Advance::NoFarther } else { Advance::Done })
-    }
-
-    /// The chord after an accepted step, if the step was short or no more than rounding, and the residual it begins
-    /// with. Supports must have arrived.
-    fn chord_after(
-        &mut self,
-        engine: &Engine,
-        residual: &Residual,
-        (trial, there): (&CorrectedStep, Option<Residual>),
-        accepted: &Accepted,
-    ) -> Option<(Chord, Residual)> {
-        let may_end = accepted.size <= SHORT || trial.expected.abs() < residual.rounding;
-        if trial.fraction < 1.0 || accepted.goes_on || !may_end {
-            return None;
-        }
-        let mut there = there?;
-        Some((self.chord(engine, &mut there), there))
-    }
-
-    /// Ends the search with a chord within the tolerance.
-    fn close(
-        &mut self,
-        engine: &mut Engine,
-        search: &mut Search,
-        chord: &Chord,
-        there: &Residual,
-    ) -> Result<(), SolveError> {
-        let unbalanced = relative_residual(engine, there);
-        let mut change = Change { size: chord.size, unbalanced, contact: 0.0 };
-        // without a look at contact first, because that takes an evaluation
-        if !search.rest.closes(engine, there, &change) {
-            return Ok(());
-        }
-        let end = engine.retract(&search.state, &chord.increment, 1.0);
-        change.contact = relative_change(there, &self.residual_at(engine, &end)?);
-        if search.rest.closes(engine, there, &change) {
-            search.report.end_with(Some(chord.size));
-            search.state = end;
-            engine.take_state(search.state.clone());
-        }
-        Ok(())
     }
 
     /// Takes over the state of a trial, and what the step predicts for the next one.

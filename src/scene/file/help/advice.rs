@@ -58,7 +58,14 @@ fn start_link(text: &RodText, rod: &Rod) -> Option<String> {
 fn start_steps(rod: &Rod, at_rest: &AtRest) -> Option<String> {
     let (positions, frames) = (&rod.positions, &rod.frames);
     let closed = rod.closed.then_some(rod.start_link());
-    let nodes = Nodes { positions, frames, order: rod.order, closed, turns_left_out: rod.turns_left_out, helical_repeat: HELICAL_REPEAT };
+    let nodes = Nodes {
+        positions,
+        frames,
+        order: rod.order,
+        closed,
+        turns_left_out: rod.turns_left_out,
+        helical_repeat: HELICAL_REPEAT,
+    };
     let off = at_rest.deviation(&at_rest.along(&nodes).ok()?);
     let far = off.degrees > FAR_DEGREES || off.angstroms > FAR_ANGSTROMS;
     far.then(|| {

@@ -35,7 +35,7 @@ const SAME_LINK: f64 = 1e-3;
 const SAME_SHAPE: f64 = 1e-3;
 
 /// Turns of the superhelix that the short rod keeps. More are tried if it does not converge, because longer ones may.
-const TURNS: [f64; 3] = [16.0, 21.0, 26.0];
+const TURNS: [f64; 3] = [10.0, 16.0, 21.0];
 /// Strand kept for each end loop, in contact distances, because the loop and its transition to the regular superhelix
 /// must fit into it.
 const LOOPS: f64 = 60.0;

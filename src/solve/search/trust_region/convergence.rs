@@ -6,7 +6,6 @@ use super::step::ModelStep;
 use crate::solve::measures::{BALANCED, NOTHING};
 use crate::solve::problem::assembly::{Potential, Residual};
 use crate::solve::problem::engine::Engine;
-use crate::solve::search::chord::Chord;
 use crate::solve::search::contact_balance::is_light;
 
 /// Largest change of contact forces in the last step of a rough search, over their size, because the next step then
@@ -40,16 +39,6 @@ pub(super) struct Accepted {
     pub(super) goes_on: bool,
 }
 
-/// A change of state, at the end of a search.
-pub(super) struct Change {
-    /// See [`increment_size`](crate::solve::search::newton::increment_size).
-    pub(super) size: f64,
-    /// Relative residual before it.
-    pub(super) unbalanced: f64,
-    /// Change of contact forces, over their size.
-    pub(super) contact: f64,
-}
-
 /// Convergence test over the steps of a search.
 pub(super) struct Convergence {
     tol_increment: f64,
@@ -62,6 +51,11 @@ pub(super) struct Convergence {
 impl Convergence {
     pub(super) fn new(tol_increment: f64, rough: Option<f64>) -> Self {
         Self { tol_increment, rough, lingering: (0, f64::INFINITY) }
+    }
+
+    /// Whether a step is below the tolerance.
+    fn is_tiny(&self, size: f64, trial: &CorrectedStep) -> bool {
+        size <= self.tol_increment && trial.potential.is_finite()
     }
 
     /// Whether the search is stuck: the shift made the step shorter than the tolerance, although forces are out of
@@ -81,49 +75,44 @@ impl Convergence {
         self.lingering.0 > 0 && self.lingering.0.is_multiple_of(LINGERING)
     }
 
-    /// Increment that is left after an accepted step from the state of `residual`, if the search has converged with it;
-    /// 0 after one that was rounding. `chord` is the next step, where it is known.
+    /// Size of the increment that is left after an accepted step from the state of `residual`, if the search has
+    /// converged with it; 0 where the step was rounding.
     pub(super) fn left(
         &mut self,
         engine: &Engine,
         residual: &Residual,
-        (step, trial, chord): (&ModelStep, &CorrectedStep, Option<&Chord>),
+        (step, trial): (&ModelStep, &CorrectedStep),
         accepted: &Accepted,
     ) -> Option<f64> {
+        let tiny = self.is_tiny(accepted.size, trial);
         let indefinite = accepted.is_indefinite;
-        let change = Change { size: accepted.size, unbalanced: accepted.unbalanced, contact: trial.contact_change };
-        let tiny = change.size <= self.tol_increment && trial.potential.is_finite();
         let still = match self.rough {
-            None => tiny && self.balances(engine, residual, &change),
+            None => tiny && self.balances(engine, residual, trial, accepted),
             // relative motion decides, for a long rod swings far by little, once forces have found their places: the
             // end of a line of contact moves by about a layer (B/κ)^¼ an iteration, so it has less far to go under the
             // softer law
-            Some(tol) => step.extent <= tol && (tiny || change.contact <= CONTACT_FOUND),
+            Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= CONTACT_FOUND),
         };
-        // motions that change neither potential nor forces are rounding along neutral directions
+        // motions that change neither potential nor forces are rounding along neutral directions: the next step would be
+        // like this one
         let expected = trial.expected.abs();
-        let ratio = chord.map_or(0.0, |chord| chord.decrease / expected);
+        let ratio = if expected < accepted.noise { trial.left / expected } else { 0.0 };
         let stays = ratio > STAYS.start && (!indefinite || ratio < STAYS.end);
-        let idle = expected < accepted.noise && change.unbalanced <= BALANCED && stays && !accepted.goes_on;
+        let idle = stays && accepted.unbalanced <= BALANCED && !accepted.goes_on;
         if trial.fraction < 1.0 {
             None
         } else if still && !indefinite {
-            Some(change.size)
+            Some(accepted.size)
         } else {
             idle.then_some(0.0)
         }
     }
 
-    /// Whether a chord is within the tolerance, if forces change by so little in it.
-    pub(super) fn closes(&self, engine: &Engine, there: &Residual, change: &Change) -> bool {
-        self.rough.is_none() && change.size <= self.tol_increment && self.balances(engine, there, change)
-    }
-
-    /// Whether contact forces have converged with a tiny change of the state of `residual`.
-    fn balances(&self, engine: &Engine, residual: &Residual, change: &Change) -> bool {
-        let nearly = change.contact <= NEARLY && change.unbalanced <= NEARLY;
-        nearly && change.size <= NEARLY * self.tol_increment
-            || is_light(engine, residual, change.size, self.tol_increment)
-            || change.contact <= CONTACT_BALANCED.max(10.0 * self.tol_increment)
+    /// Whether contact forces have converged after a tiny step.
+    fn balances(&self, engine: &Engine, residual: &Residual, trial: &CorrectedStep, accepted: &Accepted) -> bool {
+        let nearly = trial.contact_change <= NEARLY && accepted.unbalanced <= NEARLY;
+        nearly && accepted.size <= NEARLY * self.tol_increment
+            || is_light(engine, residual, accepted.size, self.tol_increment)
+            || trial.contact_change <= CONTACT_BALANCED.max(10.0 * self.tol_increment)
     }
 }

@@ -32,6 +32,9 @@ pub(super) struct CorrectedStep {
     pub(super) potential: f64,
     /// Decrease that the quadratic model expects.
     pub(super) expected: f64,
+    /// Decrease that it expects of the next step with the same factorisation, if that of this one is below the rounding
+    /// of the potential; else infinite.
+    pub(super) left: f64,
     pub(super) fraction: f64,
     pub(super) rounds: usize,
     /// Largest change of a contact force in the step, relative to the largest contact force.
@@ -40,8 +43,6 @@ pub(super) struct CorrectedStep {
     pub(super) settled: bool,
     /// Why contact could not be resolved there, or at longer parts of the step that were tried before.
     pub(super) obstacle: Option<SolveError>,
-    /// Residual at its state.
-    pub(super) there: Option<Residual>,
     /// C e of the last correction. Its sum with the linear prediction are the stresses that balance the step.
     pub(super) excess: Option<Vec<[Stress; 3]>>,
 }
@@ -82,7 +83,7 @@ impl LinearStep<'_> {
             increment: self.increment.clone(),
             potential: f64::NAN,
             expected: -fraction * step.slope - 0.5 * fraction * fraction * step.curvature,
-            there: None,
+            left: f64::INFINITY,
             fraction,
             rounds: 0,
             contact_change: 0.0,
@@ -113,7 +114,9 @@ impl Workspace {
         let mut best: Option<CorrectedStep> = None;
         while let Some(there) = self.evaluate(engine, residual, &mut trial) {
             if trial.settled || trial.rounds >= MAX_ROUNDS || !trial.potential.is_finite() {
-                trial.there = Some(there);
+                if trial.expected.abs() < residual.rounding {
+                    trial.left = self.expected_decrease(engine, there);
+                }
                 break;
             }
             let (wanted, excess) = self.corrected(engine, &linear, &trial, there);
@@ -143,20 +146,24 @@ impl Workspace {
     /// Residual of a trial, and its potential and change of contact. `None` where contact cannot be resolved: the step
     /// is too long.
     fn evaluate(&mut self, engine: &mut Engine, before: &Residual, trial: &mut CorrectedStep) -> Option<Residual> {
-        let there = match self.residual_at(engine, &trial.state) {
-            Ok(there) => there,
-            Err(obstacle) => {
-                trial.obstacle = Some(obstacle);
-                return None;
-            }
-        };
-        trial.obstacle = None;
+        trial.obstacle = timed(&mut self.timings.detection, || engine.update_contact(&trial.state)).err();
+        if trial.obstacle.is_some() {
+            return None;
+        }
+        let there = timed(&mut self.timings.assembly, || engine.residual_of_trial(&trial.state));
         trial.potential = there.potential.total() - work_of_moments(engine, &trial.increment);
         trial.contact_change = relative_change(before, &there);
         // below the rounding of the potential corrections are rounding, unless the potential rises by more
         let noise = before.rounding;
         trial.settled |= trial.expected.abs() < noise && gain(before, trial) >= -noise;
         Some(there)
+    }
+
+    /// Decrease that a full step expects from a state of this residual, with the factorisation at hand.
+    fn expected_decrease(&mut self, engine: &Engine, mut there: Residual) -> f64 {
+        self.zero_energy.remove_forces(&mut there);
+        let step = self.solve_last(&there.gradient);
+        0.5 * self.free_dot(engine, &step, |i| there.gradient[i]).abs()
     }
 
     /// The increment after the next correction, and C e of it: K⁻¹ times the second-order forces, BᵀC e of the rods and
@@ -222,7 +229,7 @@ impl Workspace {
 }
 
 /// Largest change of a contact force relative to the largest before; 0 if none changes.
-pub(super) fn relative_change(before: &Residual, after: &Residual) -> f64 {
+fn relative_change(before: &Residual, after: &Residual) -> f64 {
     let both = before.contact_forces().zip(after.contact_forces());
     let change = both.fold(0.0f64, |a, (x, y)| a.max((x - y).abs()));
     if change == 0.0 { 0.0 } else { change / before.largest_contact_force() }
