@@ -14,6 +14,8 @@
 //! A strong point force bends its element as the element cannot, and the strands touch once more beside it. Such a
 //! ripple is part of the stronger contact.
 
+use std::cmp::Ordering;
+
 use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
 
@@ -175,7 +177,8 @@ fn row_of(first: usize, next: &[Members], used: &mut [bool]) -> Members {
     found
 }
 
-/// A group from its first strand and, where both are of one curve, from its second.
+/// A group as seen from the strand of the first curve, from either where both are of one: groups of two curves that
+/// are told from different strands are one class, too.
 fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> Vec<ContactView> {
     let first = &zones[members[0].0];
     let curves = [first.curve_a, first.curve_b];
@@ -189,9 +192,12 @@ fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> 
     let arcs = [hull(0), hull(1)];
     let force: f64 = members.iter().map(|&(zone, _)| zones[zone].load.force).sum();
     let length = 0.5 * (arcs[0][1] - arcs[0][0] + arcs[1][1] - arcs[1][0]);
-    let mut sides = vec![ContactView { group, flipped: false, curves, arcs, force, length }];
-    if curves[0] == curves[1] {
-        sides.push(ContactView { group, flipped: true, curves, arcs: [arcs[1], arcs[0]], force, length });
+    let seen = ContactView { group, flipped: false, curves, arcs, force, length };
+    let turned =
+        ContactView { group, flipped: true, curves: [curves[1], curves[0]], arcs: [arcs[1], arcs[0]], force, length };
+    match curves[0].cmp(&curves[1]) {
+        Ordering::Less => vec![seen],
+        Ordering::Equal => vec![seen, turned],
+        Ordering::Greater => vec![turned],
     }
-    sides
 }

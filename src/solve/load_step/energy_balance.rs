@@ -25,9 +25,9 @@
 //!   taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)), of a strut that
 //!   buckles, or of a rod that touches something. Unless it ends where it was foreseen, the energy that it seems to have
 //!   set free is compared with |W₁ − W*|, W* the work under the forces that the branch foresees at the end. A snap sets
-//!   as much free in a half as in the whole, so that this ratio doubles from half to half, beyond 1. At a kink it is at
-//!   most ½, because the energy is the integral of a force that begins to change within the step; on a smooth branch it
-//!   falls.
+//!   as much free in a half as in the whole, so that this ratio grows from half to half, and its forces are others from
+//!   where it begins: at the start of a step it is 1 and more. At a kink it is ½, because the force sets in from
+//!   nothing; on a smooth branch it falls.
 //!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
@@ -115,7 +115,7 @@ impl Departure {
     }
 
     /// What the step seems to have set free, over the change of its work by forces that were not foreseen, if it ends
-    /// below E*, and not in balance: it has snapped, or its branch bends. Above 1 it has snapped.
+    /// below E*, and not in balance: it has snapped, or its branch bends.
     pub(in crate::solve) fn ratio(&self) -> Option<f64> {
         let is_open = self.gap.abs() > CLOSED * self.released;
         (self.is_above(SNAP) && self.released > 0.0 && is_open).then(|| self.released / self.turn)

@@ -13,9 +13,12 @@ use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
 
-/// Times that halves may seem no more like a snap than the whole, before a step counts as a bend, because twice is the
-/// error of E*, which falls, and chance at a kink, which lies in either half of a half.
-const CHANCES: usize = 2;
+/// Times that halves may seem no more like a snap than the whole, before a step counts as a bend, because E* is off near
+/// the end of a branch, by less from half to half, and a kink lies in either half of a half.
+const CHANCES: usize = 4;
+/// Ratio of a step above which it has snapped, because that of a kink is ½, and less than 1 however the force sets in;
+/// that of a snap at the start of a step is more.
+const SNAPPED: f64 = 1.0;
 /// Factor on the ratio of a step from which a half is more like a snap, because it is 2 at a snap, and on a smooth branch
 /// ½.
 const MORE: f64 = 1.5;
@@ -40,7 +43,7 @@ impl Doubts {
             Self::OfHalf { chances, .. } => chances,
             Self::Open | Self::Settled => 0,
         };
-        (ratio <= 1.0 && chances <= CHANCES).then_some(Self::OfHalf { ratio, chances })
+        (ratio <= SNAPPED && chances <= CHANCES).then_some(Self::OfHalf { ratio, chances })
     }
 }
 
@@ -181,7 +184,7 @@ impl Solver {
             if of_halves.is_some() {
                 return (report, of_halves);
             }
-            let is_snap = |ratio: &f64| *ratio > 1.0 || doubts == Doubts::Settled;
+            let is_snap = |ratio: &f64| *ratio > SNAPPED || doubts == Doubts::Settled;
             let snapped = ratio.filter(is_snap).and(departure);
             report.energy_released = snapped.map_or(0.0, |departure| departure.released());
             self.history.work = balance.filter(|_| report.energy_released == 0.0).map(|(a, b)| [a.work, b.work]);
