@@ -110,9 +110,9 @@ impl BasePairs {
     /// `count` equally spaced base pairs along a rod. The first lies at s = 0, the last of an open rod at its end.
     ///
     /// A rod whose frames carry the double helix, as that of a sequence, hands them on; one in blocks is given back the
-    /// turns that it left out. Others model the axis alone: they
-    /// have less than half of a turn per [`Nodes::helical_repeat`] base pairs, and the helix is put in, evenly, with the
-    /// whole number of turns in a closed molecule that is next to pairs / repeat + link of the frames.
+    /// turns that it left out. Others model the axis alone: they have less than half of a turn per
+    /// [`Nodes::helical_repeat`] base pairs, and the helix is put in, evenly, with the whole number of turns in a
+    /// closed molecule that is next to pairs / repeat + link of the frames.
     ///
     /// # Errors
     /// Fewer than two base pairs; a number of nodes that does not fit the order.

@@ -95,11 +95,13 @@ fn a_line_has_no_points_inside() {
         "[[rods]]\nname = \"thin\"\nshape = {{ kind = \"points\", file = \"quarter.csv\" }}\n\
          section = {{ bending = 1.0, twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.05 }}\n\
          elements = 40\n\
-         [[rods]]\nname = \"thick\"\nshape = {{ kind = \"line\", start = [0, 0, -1], direction = [0, 0, 1], length = 2 }}\n\
+         [[rods]]\nname = \"thick\"\n\
+         shape = {{ kind = \"line\", start = [0, 0, -1], direction = [0, 0, 1], length = 2 }}\n\
          section = {{ bending = 10.0, twisting = 10.0, stretching = 1e5, shearing = 1e5, contact_radius = 0.2 }}\n\
          elements = 20\n\
          {clamps}[[stages]]\nsteps = 4\nramp = {{ displacement = [\
-         {{ rod = \"thin\", at = \"start\", to = [-0.1, 0, 0] }}, {{ rod = \"thin\", at = \"end\", to = [0, -0.1, 0] }}] }}\n"
+         {{ rod = \"thin\", at = \"start\", to = [-0.1, 0, 0] }}, \
+         {{ rod = \"thin\", at = \"end\", to = [0, -0.1, 0] }}] }}\n"
     );
     let seen = common::run(&text, &folder, |scene| Options { threads: Some(1), ..options(scene) }).1;
     for state in &seen {

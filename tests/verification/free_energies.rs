@@ -450,6 +450,27 @@ fn a_soft_straight_rod_is_harmonic() {
     }
 }
 
+/// Rings of a sequence whose steps are all alike spin about themselves like uniform ones. (That had an eigenvalue of
+/// rounding, of either sign, which decided whether there was a free energy.)
+#[test]
+fn rings_of_a_sequence_of_equal_steps_spin() {
+    for (base_pairs, link) in [(105, 10), (126, 12), (150, 14)] {
+        let text = format!(
+            "[[rods]]\nclosed = true\nshape = {{ kind = \"circle\", length = {} }}\nlink = {link}\n\
+             sequence = {{ letters = \"random:{base_pairs}:3\", steps = \"ideal\" }}\n\
+             section = {{ contact_radius = 1.0 }}\n",
+            0.34 * f64::from(base_pairs)
+        );
+        let scene = Scene::from_toml(&text, Path::new("")).unwrap();
+        let mut solver = Solver::new(scene.model, Options::default()).unwrap();
+        reach(&mut solver, &[]);
+        let tangent = EquilibriumTangent::at(&mut solver, ContactResponse::ByLaw).unwrap();
+        // six of a rigid body and the spin; sliding is one of these along a circle
+        assert_eq!((tangent.num_zero_energy(), tangent.num_unstable()), (7, 0), "{base_pairs}");
+        assert!(tangent.harmonic().free_energy(4.11).is_ok());
+    }
+}
+
 /// What a motion that costs nothing changes has no standard deviation; a distance has.
 #[test]
 fn free_ends_have_no_deviation() {

@@ -178,7 +178,7 @@ fn row_of(first: usize, next: &[Members], used: &mut [bool]) -> Members {
 }
 
 /// A group as seen from the strand of the first curve, from either where both are of one: groups of two curves that
-/// are told from different strands are one class, too.
+/// are seen from different strands are one class, too.
 fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> Vec<ContactView> {
     let first = &zones[members[0].0];
     let curves = [first.curve_a, first.curve_b];

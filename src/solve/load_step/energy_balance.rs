@@ -23,10 +23,10 @@
 //!   branch leads nor found it unstable there, is halved until the branch can be predicted from its own states.
 //! * A step that ends far below E*, and not in its own balance, has snapped, or its branch bends much, as that of a
 //!   taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)), of a strut that
-//!   buckles, or of a rod that touches something. Unless it ends where it was foreseen, the energy that it seems to have
-//!   set free is compared with |W₁ − W*|, W* the work under the forces that the branch foresees at the end. A snap sets
-//!   as much free in a half as in the whole, so that this ratio grows from half to half, and its forces are others from
-//!   where it begins: at the start of a step it is 1 and more. At a kink it is ½, because the force sets in from
+//!   buckles, or of a rod that touches something. Unless it ends where it was foreseen, the energy that it seems to
+//!   have set free is compared with |W₁ − W*|, W* the work under the forces that the branch foresees at the end. A snap
+//!   sets as much free in a half as in the whole, so that this ratio grows from half to half, and its forces are others
+//!   from where it begins: at the start of a step it is 1 and more. At a kink it is ½, because the force sets in from
 //!   nothing; on a smooth branch it falls.
 //!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is

@@ -13,14 +13,14 @@ use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
 
-/// Times that halves may seem no more like a snap than the whole, before a step counts as a bend, because E* is off near
-/// the end of a branch, by less from half to half, and a kink lies in either half of a half.
+/// Times that halves may seem no more like a snap than the whole, before a step counts as a bend, because E* is off
+/// near the end of a branch, by less from half to half, and a kink lies in either half of a half.
 const CHANCES: usize = 4;
 /// Ratio of a step above which it has snapped, because that of a kink is ½, and less than 1 however the force sets in;
 /// that of a snap at the start of a step is more.
 const SNAPPED: f64 = 1.0;
-/// Factor on the ratio of a step from which a half is more like a snap, because it is 2 at a snap, and on a smooth branch
-/// ½.
+/// Factor on the ratio of a step from which a half is more like a snap, because it is 2 at a snap, and on a smooth
+/// branch ½.
 const MORE: f64 = 1.5;
 
 /// What is made of a step that may have lost its branch.
@@ -28,8 +28,8 @@ const MORE: f64 = 1.5;
 enum Doubts {
     /// It is made again in halves.
     Open,
-    /// It is a part of a step with this ratio (`energy_balance::Departure`), and of so many that were no more like snaps
-    /// than the wholes.
+    /// It is a part of a step with this ratio (`energy_balance::Departure`), and of so many that were no more like
+    /// snaps than the wholes.
     OfHalf { ratio: f64, chances: usize },
     /// It is taken as it is, because its halves have failed.
     Settled,

@@ -266,8 +266,8 @@ fn check_link_of_dna(path: &str, link: f64, dna: &Dna) -> Result<(), InputError>
         return Ok(());
     }
     let reason = format!(
-        "counts no turns of the double helix where a rod has dna: for Lk = {link} give excess_link = {:.4}, which is Lk \
-         less base_pairs / helical_repeat = {:.4}",
+        "counts no turns of the double helix where a rod has dna: for Lk = {link} give excess_link = {:.4}, which is \
+         Lk less base_pairs / helical_repeat = {:.4}",
         link - dna.relaxed_link,
         dna.relaxed_link
     );

@@ -21,8 +21,8 @@ const CONTACT_BALANCED: f64 = 1e-6;
 /// Change of contact forces and residual, over their sizes, and increment over the tolerance, that together show a
 /// balance which rounding hides.
 const NEARLY: f64 = 1e-3;
-/// Ratio of the decrease that is left after a step to that of the step, in which the step was rounding, because a search
-/// that converges leaves far less, and one that leaves a saddle several times as much.
+/// Ratio of the decrease that is left after a step to that of the step, in which the step was rounding, because a
+/// search that converges leaves far less, and one that leaves a saddle several times as much.
 const STAYS: std::ops::Range<f64> = 0.1..2.0;
 
 /// Sizes of an accepted step.
@@ -93,8 +93,8 @@ impl Convergence {
             // softer law
             Some(tol) => step.extent <= tol && (tiny || trial.contact_change <= CONTACT_FOUND),
         };
-        // motions that change neither potential nor forces are rounding along neutral directions: the next step would be
-        // like this one
+        // motions that change neither potential nor forces are rounding along neutral directions: the next step would
+        // be like this one
         let expected = trial.expected.abs();
         let ratio = if expected < accepted.noise { trial.left / expected } else { 0.0 };
         let stays = ratio > STAYS.start && (!indefinite || ratio < STAYS.end);
