@@ -8,13 +8,8 @@
 //! have ripples of 1e-9 m, and their layer is pressed in by 1e-11 m. Such fragments lie up to an element apart. Two
 //! points may, too, but not three in a row: a row is one site.
 //!
-//! A contact that lies inside another one on both strands is part of it: where a strand winds about a thicker one, feet
-//! run back at the ends of the line, and what is seen of these from the thick strand alone is no view of the line.
-//!
 //! A strong point force bends its element as the element cannot, and the strands touch once more beside it. Such a
 //! ripple is part of the stronger contact.
-
-use std::cmp::Ordering;
 
 use crate::contact::arc::{self, ascending};
 use crate::contact::curve::CurveSet;
@@ -73,13 +68,6 @@ pub(super) fn joined(set: &CurveSet, zones: &[SiteZone], groups: Vec<Members>, l
         let near = near(curves);
         [0, 1].map(|k| near[k].max(layer.elements[curves[k]]))
     };
-    let is_inside = |x: &ContactView, y: &ContactView, _: f64| {
-        let (inner, outer) = if x.length < y.length { (x, y) } else { (y, x) };
-        let within = |k: usize, at: f64| arc::apart([at; 2], outer.arcs[k], set.period(outer.curves[k])) <= 0.0;
-        [0, 1].into_iter().all(|k| inner.arcs[k].into_iter().all(|end| within(k, end)))
-    };
-    let next = neighbours(set, zones, &groups, near, is_inside);
-    let groups = merged(&groups, &next, 1);
     let next = neighbours(set, zones, &groups, near, is_alike);
     let groups = merged(&groups, &next, 1);
     let next = neighbours(set, zones, &groups, within_an_element, is_alike);
@@ -131,7 +119,7 @@ fn neighbours(
     zones: &[SiteZone],
     groups: &[Members],
     reach: impl Fn([usize; 2]) -> [f64; 2],
-    is_one: impl Fn(&ContactView, &ContactView, f64) -> bool,
+    is_one: fn(&ContactView, &ContactView, f64) -> bool,
 ) -> Vec<Members> {
     let mut sides: Vec<ContactView> =
         groups.iter().enumerate().flat_map(|(k, members)| both(set, zones, k, members)).collect();
@@ -177,8 +165,7 @@ fn row_of(first: usize, next: &[Members], used: &mut [bool]) -> Members {
     found
 }
 
-/// A group as seen from the strand of the first curve, from either where both are of one: groups of two curves that
-/// are seen from different strands are one class, too.
+/// A group from its first strand and, where both are of one curve, from its second.
 fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> Vec<ContactView> {
     let first = &zones[members[0].0];
     let curves = [first.curve_a, first.curve_b];
@@ -192,12 +179,9 @@ fn both(set: &CurveSet, zones: &[SiteZone], group: usize, members: &Members) -> 
     let arcs = [hull(0), hull(1)];
     let force: f64 = members.iter().map(|&(zone, _)| zones[zone].load.force).sum();
     let length = 0.5 * (arcs[0][1] - arcs[0][0] + arcs[1][1] - arcs[1][0]);
-    let seen = ContactView { group, flipped: false, curves, arcs, force, length };
-    let turned =
-        ContactView { group, flipped: true, curves: [curves[1], curves[0]], arcs: [arcs[1], arcs[0]], force, length };
-    match curves[0].cmp(&curves[1]) {
-        Ordering::Less => vec![seen],
-        Ordering::Equal => vec![seen, turned],
-        Ordering::Greater => vec![turned],
+    let mut sides = vec![ContactView { group, flipped: false, curves, arcs, force, length }];
+    if curves[0] == curves[1] {
+        sides.push(ContactView { group, flipped: true, curves, arcs: [arcs[1], arcs[0]], force, length });
     }
+    sides
 }

@@ -21,13 +21,11 @@
 //! * With r = 10, a ring that loses one of two contacts has the numbers of a smooth parabola of F. So a step too long
 //!   to be predicted that ends lower or higher by a hundredth of its work, and whose search neither began where the
 //!   branch leads nor found it unstable there, is halved until the branch can be predicted from its own states.
-//! * A step that ends far below E*, and not in its own balance, has snapped, or its branch bends much, as that of a
-//!   taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)), of a strut that
-//!   buckles, or of a rod that touches something. Unless it ends where it was foreseen, the energy that it seems to
-//!   have set free is compared with |W₁ − W*|, W* the work under the forces that the branch foresees at the end. A snap
-//!   sets as much free in a half as in the whole, so that this ratio grows from half to half, and its forces are others
-//!   from where it begins: at the start of a step it is 1 and more. At a kink it is ½, because the force sets in from
-//!   nothing; on a smooth branch it falls.
+//! * A step that ends far below E*, but not clearly below its balance, is that of a branch which bends much, as that of
+//!   a taut rope which is let down (for a parabola of F, E* − E₁ is −5 times ½ (W₀ + W₁) − (E₁ − E₀)) or of a ring
+//!   that buckles, or that of a snap into a state of other forces. Unless it ends where it was foreseen it is halved
+//!   [`HALVINGS_OF_A_BEND`] times. A snap sets as much free in a half as in the whole; what a smooth branch misses
+//!   falls eightfold.
 //!
 //! E is what the rods store and the loads: elasticity, screened charges, dead loads and pressures. Contact that is
 //! enforced closes gaps exactly and stores nothing, whatever the offsets of its law; a penalty's energy is stored.
@@ -53,6 +51,10 @@ const DIFFERENCE: f64 = 1e-3;
 /// ring of DNA unfolds and 0.46 where it supercoils, and 0.03 in the step after a loop has buckled.
 const CLOSED: f64 = 0.05;
 
+/// The same of a step that has clearly snapped, because it is up to 0.08 where a ring buckles under pressure without a
+/// snap, in steps of a quarter of the critical one.
+const CLEAR: f64 = 0.1;
+
 /// Part of its work by which a step ends below its branch at least if it is reported as a snap, because steps that bend
 /// sharply miss their branch by a few hundredths.
 const SNAP: f64 = 0.1;
@@ -60,6 +62,10 @@ const SNAP: f64 = 0.1;
 /// because a doubt costs iterations only: a tenth of what is reported as a snap. A ring that lost one of two contacts
 /// missed it by 0.096.
 const DOUBTFUL: f64 = 0.01;
+
+/// Times that a step is halved which has snapped or bends, because what a smooth branch misses then is a sixteenth,
+/// over its work, and more than sixteen times [`SNAP`] is no bend.
+pub(super) const HALVINGS_OF_A_BEND: usize = 2;
 
 /// Changes that a step prescribes.
 #[derive(Debug)]
@@ -97,8 +103,6 @@ pub(in crate::solve) struct Departure {
     gap: f64,
     /// Size of the step's work \[F·L\].
     work: f64,
-    /// Change of the step's work from forces that were not foreseen at its end \[F·L\].
-    turn: f64,
     rounding: f64,
 }
 
@@ -114,16 +118,15 @@ impl Departure {
         self.is_above(DOUBTFUL) && self.gap.abs() > CLOSED * self.released.abs()
     }
 
-    /// What the step seems to have set free, over the change of its work by forces that were not foreseen, if it ends
-    /// below E*, and not in balance: it has snapped, or its branch bends.
-    pub(in crate::solve) fn ratio(&self) -> Option<f64> {
-        let is_open = self.gap.abs() > CLOSED * self.released;
-        (self.is_above(SNAP) && self.released > 0.0 && is_open).then(|| self.released / self.turn)
+    /// Energy that the step has set free \[F·L\], where it ends below both; 0 on a branch.
+    pub(in crate::solve) fn released(&self) -> f64 {
+        if self.is_above(SNAP) && self.gap > CLOSED * self.released { self.released.max(0.0) } else { 0.0 }
     }
 
-    /// Energy below the branch's \[F·L\].
-    pub(in crate::solve) fn released(&self) -> f64 {
-        self.released
+    /// Whether the step ends below E*, but not clearly below the balance: it has snapped, or its branch bends.
+    pub(in crate::solve) fn snaps_or_bends(&self) -> bool {
+        let is_open = self.gap.abs() > CLOSED * self.released && self.gap < CLEAR * self.released;
+        self.is_above(SNAP) && self.released > 0.0 && is_open
     }
 }
 
@@ -131,16 +134,13 @@ impl Balance {
     /// How the end of a step from here compares with its branch. `last` is the work of the step before
     /// under the forces at both of its ends, and how many times as long this step is.
     pub(in crate::solve) fn departure(&self, end: &Self, last: Option<([f64; 2], f64)>) -> Departure {
-        // the energy and the work at the end of the branch
-        let (branch, foreseen) = last.map_or((self.work.min(end.work), self.work), |([start, end], stride)| {
-            let change = stride * stride * (end - start);
-            (self.work + 0.5 * change, self.work + change)
+        let branch = last.map_or(self.work.min(end.work), |([start, end], stride)| {
+            self.work + 0.5 * stride * stride * (end - start)
         });
         let gained = end.energy - self.energy;
         let (released, gap) = (branch - gained, 0.5 * (self.work + end.work) - gained);
         let work = self.work.abs().max(end.work.abs()).max(branch.abs());
-        let turn = (end.work - foreseen).abs();
-        Departure { released, gap, work, turn, rounding: self.rounding + end.rounding }
+        Departure { released, gap, work, rounding: self.rounding + end.rounding }
     }
 }
 

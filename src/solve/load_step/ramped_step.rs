@@ -7,45 +7,12 @@ use crate::math::Vec3;
 use crate::math::quaternion::exp;
 use crate::scene::model::{RemainingPath, unit};
 use crate::scene::{NodeRef, Pose, Ramp, Stage, SupportChange};
+use crate::solve::load_step::energy_balance::{Departure, HALVINGS_OF_A_BEND};
 use crate::solve::load_step::guess::Ahead;
 use crate::solve::load_step::predictor::{FARTHEST, History, Prediction};
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Status, StepReport};
 use crate::solve::problem::prescribed_motion::{PrescribedMotion, Target, lifted};
-
-/// Times that halves may seem no more like a snap than the whole, before a step counts as a bend, because E* is off
-/// near the end of a branch, by less from half to half, and a kink lies in either half of a half.
-const CHANCES: usize = 4;
-/// Ratio of a step above which it has snapped, because that of a kink is ½, and less than 1 however the force sets in;
-/// that of a snap at the start of a step is more.
-const SNAPPED: f64 = 1.0;
-/// Factor on the ratio of a step from which a half is more like a snap, because it is 2 at a snap, and on a smooth
-/// branch ½.
-const MORE: f64 = 1.5;
-
-/// What is made of a step that may have lost its branch.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Doubts {
-    /// It is made again in halves.
-    Open,
-    /// It is a part of a step with this ratio (`energy_balance::Departure`), and of so many that were no more like
-    /// snaps than the wholes.
-    OfHalf { ratio: f64, chances: usize },
-    /// It is taken as it is, because its halves have failed.
-    Settled,
-}
-
-impl Doubts {
-    /// Those about the halves of a step that may have snapped; `None` if it has, or not.
-    fn of_halves(self, ratio: f64) -> Option<Self> {
-        let chances = match self {
-            Self::OfHalf { ratio: whole, chances } if ratio < MORE * whole => chances + 1,
-            Self::OfHalf { chances, .. } => chances,
-            Self::Open | Self::Settled => 0,
-        };
-        (ratio <= SNAPPED && chances <= CHANCES).then_some(Self::OfHalf { ratio, chances })
-    }
-}
 
 impl Solver {
     /// Brings the present state to a stable equilibrium under the present loads, from where it is: as
@@ -90,29 +57,32 @@ impl Solver {
     /// Takes ramps through the fraction `take` of their remaining change in one step, or in parts where it may have
     /// lost its branch, or an obstacle might pass a strand.
     pub(in crate::solve) fn advance(&mut self, ramps: &[Ramp], take: f64) -> StepReport {
-        self.advance_halved(ramps, take, Doubts::Open)
+        self.advance_halved(ramps, take, 0)
     }
 
-    /// [`Solver::advance`] of a step, or of a part of one.
-    fn advance_halved(&mut self, ramps: &[Ramp], take: f64, mut doubts: Doubts) -> StepReport {
+    /// [`Solver::advance`] of a step that doubts have halved so many times.
+    fn advance_halved(&mut self, ramps: &[Ramp], take: f64, halvings: usize) -> StepReport {
         let start = self.snapshot();
         let target = self.target(ramps, take);
         let leaps = self.leaps(&target);
         let mut spent = 0;
         if !leaps {
-            let (report, of_halves) = self.attempt(&target, doubts);
-            let Some(of_halves) = of_halves else { return report };
-            (spent, doubts) = (report.iterations, of_halves);
+            let (report, is_doubtful) = self.attempt(&target, Some(halvings));
+            if !is_doubtful {
+                return report;
+            }
+            spent = report.iterations;
         }
         let (moved, history) = (self.moved.clone(), self.history.clone());
+        let halvings = halvings + usize::from(!leaps);
         let mut parts = match self.restore(start.clone()) {
-            Ok(()) => self.advance_halved(ramps, 0.5 * take, doubts),
+            Ok(()) => self.advance_halved(ramps, 0.5 * take, halvings),
             Err(error) => return StepReport::refused(error),
         };
         if parts.status == Status::Converged {
             self.remember(&parts);
             // of the change that is left
-            parts.join(self.advance_halved(ramps, 0.5 * take / (1.0 - 0.5 * take), doubts));
+            parts.join(self.advance_halved(ramps, 0.5 * take / (1.0 - 0.5 * take), halvings));
         }
         parts.iterations += spent;
         if parts.status == Status::Converged {
@@ -126,7 +96,7 @@ impl Solver {
             return parts;
         }
         // as a whole, then
-        let (mut whole, _) = self.attempt(&target, Doubts::Settled);
+        let (mut whole, _) = self.attempt(&target, None);
         whole.iterations += parts.iterations;
         whole
     }
@@ -142,12 +112,12 @@ impl Solver {
     }
 
     /// Predicts and searches for a target from the present state; prescribed motions count as made if it converges.
-    /// They do not if it is doubtful whether the step has kept its branch: the second part of the result are the doubts
-    /// about its halves, then.
-    fn attempt(&mut self, target: &Target, doubts: Doubts) -> (StepReport, Option<Doubts>) {
+    /// They do not if it is doubtful whether the step, which doubts have halved so many times, has kept its branch: the
+    /// second part of the result says so. Without a number there are no doubts.
+    fn attempt(&mut self, target: &Target, halvings: Option<usize>) -> (StepReport, bool) {
         let lifted = lifted(&self.engine, self.engine.state(), &target.drive);
         if let Err(error) = self.engine.check_spun(&target.drive.seams, &lifted.spun) {
-            return (StepReport::refused(error), None);
+            return (StepReport::refused(error), false);
         }
         let changes = self.changes(target, &lifted);
         // work counts from an equilibrium
@@ -160,7 +130,7 @@ impl Solver {
         let ahead = predicted.map_or(Ahead::Unknown, Ahead::Predicted);
         self.engine.prescribe(target.values());
         if let Err(error) = self.engine.take_numbers() {
-            return (StepReport::refused(SolveError::Symbolic { reason: error.to_string() }), None);
+            return (StepReport::refused(SolveError::Symbolic { reason: error.to_string() }), false);
         }
         let mut report = self.in_own_pool(|solver| solver.load_step(&target.drive, &ahead));
         self.judge_turning(&mut report);
@@ -173,24 +143,19 @@ impl Solver {
                 Ahead::Predicted(prediction) => prediction.is_met(&self.engine, &lifted.state),
                 Ahead::Unknown | Ahead::Present => false,
             };
-            // a step that ends where it was foreseen has kept its branch
-            let ratio = departure.and_then(|departure| departure.ratio()).filter(|_| !is_met());
-            let is_lost = !is_on_branch && departure.is_some_and(|departure| departure.is_doubtful());
-            let of_halves = match (doubts, ratio) {
-                (Doubts::Settled, _) => None,
-                (_, None) => (is_too_long && is_lost).then_some(doubts),
-                (_, Some(ratio)) => doubts.of_halves(ratio),
+            let is_doubtful = |departure: Departure| {
+                let may_bend = halvings.is_some_and(|halvings| halvings < HALVINGS_OF_A_BEND);
+                let is_lost = !is_on_branch && departure.is_doubtful();
+                is_too_long && is_lost || may_bend && departure.snaps_or_bends() && !is_met()
             };
-            if of_halves.is_some() {
-                return (report, of_halves);
+            if halvings.is_some() && departure.is_some_and(is_doubtful) {
+                return (report, true);
             }
-            let is_snap = |ratio: &f64| *ratio > SNAPPED || doubts == Doubts::Settled;
-            let snapped = ratio.filter(is_snap).and(departure);
-            report.energy_released = snapped.map_or(0.0, |departure| departure.released());
+            report.energy_released = departure.map_or(0.0, |departure| departure.released());
             self.history.work = balance.filter(|_| report.energy_released == 0.0).map(|(a, b)| [a.work, b.work]);
             self.moved.go_on(target, &lifted.spun);
         }
-        (report, None)
+        (report, false)
     }
 
     /// Adds the accepted state to those from which the next one is predicted.
