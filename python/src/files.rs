@@ -131,16 +131,15 @@ fn base_pairs(
     let rod = &scene.model.rods[index];
     let (positions, frames, link) = state.nodes(index);
     let (closed, turns_left_out) = (rod.closed.then_some(link), rod.turns_left_out);
-    let pairs = scene.num_base_pairs.get(index).copied().flatten();
-    let relaxed = scene.relaxed_links.get(index).copied().flatten();
-    let helical_repeat = pairs.zip(relaxed).map_or(HELICAL_REPEAT, |(pairs, link)| pairs as f64 / link);
+    let (own, repeat) = scene.double_helix(index).unzip();
+    let helical_repeat = repeat.unwrap_or(HELICAL_REPEAT);
     let nodes =
         Nodes { positions: &positions, frames: &frames, order: rod.order, closed, turns_left_out, helical_repeat };
     let pairs = match at_rest {
         Some(at_rest) if count.is_none_or(|count| count == at_rest.sequence.num_bases()) => at_rest.along(&nodes)?,
         _ => {
             let by_length = (rod.length / RISE).round() as usize + usize::from(!rod.closed);
-            BasePairs::along(&nodes, count.or(pairs).unwrap_or(by_length))?
+            BasePairs::along(&nodes, count.or(own).unwrap_or(by_length))?
         }
     };
     match sequence {

@@ -99,6 +99,14 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Base pairs of a rod that is DNA, and how many of them the relaxed molecule has a turn.
+    #[must_use]
+    pub fn double_helix(&self, rod: usize) -> Option<(usize, f64)> {
+        let count = self.num_base_pairs.get(rod).copied().flatten()?;
+        let relaxed = self.relaxed_links.get(rod).copied().flatten()?;
+        Some((count, count as f64 / relaxed))
+    }
+
     /// Mass per length of each rod \[mass/L\]; `None` unless all have one.
     pub fn masses(&self) -> Option<Vec<f64>> {
         self.line_densities.iter().copied().collect::<Option<Vec<f64>>>().filter(|all| !all.is_empty())

@@ -205,9 +205,7 @@ impl EquilibriumTangent<'_> {
             gradients.iter().map(|gradient| self.linearised.solve(self.engine, gradient)).collect();
         Ok(DMatrix::from_fn(of.len(), of.len(), |i, j| thermal_energy * dot(&gradients[i], &responses[j])))
     }
-}
 
-impl EquilibriumTangent<'_> {
     /// Refuses observables that motions which cost nothing change: with these they are anything.
     fn check_neutral(&self, of: &Observable, gradient: &[f64]) -> Result<(), InputError> {
         let changes = |motion: &Vec<f64>| {

@@ -51,11 +51,10 @@ struct SectionStiffness {
 impl RodHead {
     pub(super) fn of(scene: &Scene, index: usize) -> Self {
         let rod = &scene.model.rods[index];
-        let base_pairs = scene.num_base_pairs.get(index).copied().flatten();
-        let relaxed = scene.relaxed_links.get(index).copied().flatten();
+        let (base_pairs, helical_repeat) = scene.double_helix(index).unzip();
         Self {
             base_pairs,
-            helical_repeat: base_pairs.zip(relaxed).map(|(count, link)| count as f64 / link),
+            helical_repeat,
             name: rod.name.clone(),
             length: rod.length,
             contact_radius: rod.section.contact_radius,
