@@ -40,7 +40,7 @@ def test_gradient_and_free_energy_of_a_twisted_ring() -> None:
     assert state.gradient("energy", "link") == pytest.approx(energy[0], rel=1e-12)
     assert state.free_energy(0.02) - state.free_energy(0.02, contacts="locked") == 0.0
     assert state.covariance(["twist"], 0.02).shape == (1, 1)
-    soft, warm = state.anharmonicity(1e-6), state.anharmonicity(2.0)
+    soft, warm = state.anharmonicity(1e-6), state.anharmonicity(20.0)
     assert soft.max() < 0.01 < warm.max()
     assert state.one_sided() == []
     with pytest.raises(supercoil.InputError, match="extension"):
