@@ -81,7 +81,10 @@ fn cells(step: &Observation) -> [String; 13] {
         (None, Some(rod)) => [rod.link, rod.writhe, Some(rod.twist)],
         (None, None) => [None; 3],
     };
-    let turns = |value: Option<f64>| value.map_or_else(|| format!("{:>9}", "-"), |x| format!("{:>9}", fixed(x, 4)));
+    // six digits and no more, so that long molecules keep columns apart
+    let decimals = |x: f64| [100.0, 1e3, 1e4, 1e5].iter().filter(|&&limit| x.abs() < limit).count();
+    let turns =
+        |value: Option<f64>| value.map_or_else(|| format!("{:>9}", "-"), |x| format!("{:>9}", fixed(x, decimals(x))));
     // what is rounding beside the others, or beside a bend by one radian, is zero
     let e = &step.energies;
     let of_a_bend = step.sizes.iter().map(|size| size.bending / size.length).fold(0.0, f64::max);
@@ -434,6 +437,9 @@ pub(super) mod tests {
         let widths: Vec<usize> = text.lines().map(|line| line.chars().count()).collect();
         assert_eq!(widths, vec![widths[0]; 7], "{text}");
         assert!(text.contains("1.235e5") && text.contains("1.000e-6"), "{text}");
+        let mut long = observation(1);
+        long.links[0].excess_link = -26514.04;
+        assert_eq!(line(&long).split_whitespace().nth(1), Some("-26514.0"), "columns are apart");
         let failed = Observation { status: "stopped".into(), ..observation(1) };
         assert!(line(&failed).ends_with("  stopped"));
     }
