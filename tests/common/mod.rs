@@ -197,10 +197,16 @@ pub fn sci(numbers: &[f64]) -> String {
 
 /// Follows a ramp from the present state to the first branch point and stays there; the parameter there.
 pub fn to_branch_point(solver: &mut Solver, ramp: &Ramp) -> f64 {
-    let report = solver.follow(ramp, &FollowOptions::default(), &mut |point| match point.kind {
-        PointKind::Branch { .. } => ControlFlow::Break(()),
-        _ => ControlFlow::Continue(()),
-    });
+    to_branch_point_by(solver, ramp, FollowOptions::default().step)
+}
+
+/// The same by first steps of another length.
+pub fn to_branch_point_by(solver: &mut Solver, ramp: &Ramp, step: f64) -> f64 {
+    let report =
+        solver.follow(ramp, &FollowOptions { step, ..FollowOptions::default() }, &mut |point| match point.kind {
+            PointKind::Branch { .. } => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        });
     let report = report.unwrap();
     assert_eq!(report.end, PathEnd::Stopped, "no branch point before {}", report.value);
     report.value

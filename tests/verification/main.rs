@@ -49,6 +49,7 @@ mod ring_topology;
 mod roll_up;
 mod ropelength;
 mod sensitivities;
+mod shallow_arch;
 mod turned_rods;
 mod tweezers;
 mod twisted_ring;

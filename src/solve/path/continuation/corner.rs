@@ -128,7 +128,7 @@ impl Tracer<'_> {
     }
 
     /// A point moved from another, without tangent.
-    fn moved(&self, base: &Point, motion: &PathMotion) -> Point {
+    pub(super) fn moved(&self, base: &Point, motion: &PathMotion) -> Point {
         let mut point = Point { iterations: 0, augmentations: 0, penetration: 0.0, ..base.clone() };
         point.state = self.solver.engine.retract(&base.state, &motion.field, 1.0);
         self.parameter.advance(&mut point.state, motion.parameter);

@@ -168,7 +168,7 @@ impl Tracer<'_> {
     }
 
     /// The point of the path in a plane, from `base` with `first` as the first step; `None` if Newton does not
-    /// converge. The tangent is oriented along `first`, or along the normal where the first step is nothing.
+    /// converge. The tangent is oriented along the plane's normal.
     pub(super) fn correct(
         &mut self,
         base: &Point,
@@ -185,8 +185,7 @@ impl Tracer<'_> {
             return Ok(None);
         }
         point.chord = self.dot(&moved, &moved).sqrt();
-        let along = if self.dot(first, first) > 0.0 { first } else { plane.normal };
-        self.analyse(point, along)
+        self.analyse(point, plane.normal)
     }
 
     /// Bordered Newton: with Δ1 = −K⁻¹g and Δ2 = −K⁻¹c, c the gradient's rate with the parameter, the step Δ1 + δ Δ2

@@ -17,7 +17,7 @@ const MARGIN: f64 = 1e-3;
 const JUMP: [f64; 2] = [1e-4, 100.0];
 
 /// Quantity whose sign changes.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Test {
     /// The parameter's rate along the path: limit points.
     Slope,
@@ -169,28 +169,59 @@ impl Tracer<'_> {
     }
 
     /// The tested function's zero between two ends: regula falsi with the Illinois rule, bisection where the function
-    /// is not yet known. Ends early at what is known if a trial does not converge.
+    /// is not yet known. Each trial is sought from the nearer end: at branch points the matrix is singular, and Newton
+    /// multiplies what its start is off by. A trial that fails is enclosed from both sides, as far as others converge.
     fn root(&mut self, base: &Point, test: Test, ends: [End; 2], tol: f64) -> Found {
         let mut bracket = Bracket::new(test, ends);
         let [low, high] = &bracket.ends;
         let mut best = if low.distance > 0.0 { low.clone() } else { high.clone() };
+        let (mut last, mut misses) = (best.distance, 0);
         for _ in 0..HALVINGS {
             let distance = bracket.next();
-            let moved = (distance - best.distance).abs();
-            let Ok(Some(point)) = self.ahead(base, distance) else { break };
-            let value = match test {
-                Test::Slope => point.tangent.parameter,
-                Test::Target(target) => point.value - target,
-                Test::Critical => self.critical_eigenvalue(),
+            let from = bracket.nearest(distance);
+            let (normal, left) = (&base.tangent, distance - from.distance);
+            let found = self.correct(&from.point, &normal.scaled(left), &Hyperplane { normal, distance: left });
+            let found = found.unwrap_or(None).map(|point| {
+                let value = match test {
+                    Test::Slope => point.tangent.parameter,
+                    Test::Target(target) => point.value - target,
+                    Test::Critical => self.critical_eigenvalue(),
+                };
+                End { distance, value: Some(value), point }
+            });
+            let Some(end) = found.filter(|end| bracket.admits(end)) else {
+                bracket.missing = Some(distance);
+                misses += 1;
+                if misses > MAX_ROUNDS {
+                    break;
+                }
+                continue;
             };
-            best = End { distance, value: Some(value), point };
-            bracket.narrow(&best, 10.0 * self.eigenvalue_noise);
-            if moved <= tol || bracket.width() <= tol {
+            bracket.narrow(&end, 10.0 * self.eigenvalue_noise);
+            let size = |end: &End| end.value.map_or(f64::INFINITY, f64::abs);
+            if misses == 0 || size(&end) < size(&best) {
+                best = end;
+            }
+            if (distance - last).abs() <= tol || bracket.width() <= tol {
                 break;
             }
+            last = distance;
+        }
+        if misses > MAX_ROUNDS && test == Test::Critical {
+            best = self.between(base, &bracket);
         }
         let Bracket { ends: [before, after], counts, .. } = bracket;
         Found { before, best, after, counts }
+    }
+
+    /// The zero by the values at both ends, its state along the tangent at the nearer one.
+    fn between(&self, base: &Point, bracket: &Bracket) -> End {
+        let [low, high] = &bracket.ends;
+        let part = low.value.zip(high.value).map_or(0.5, |(a, b)| a / (a - b));
+        let distance = low.distance + part * bracket.width();
+        let from = bracket.nearest(distance);
+        let along = (distance - from.distance) / self.dot(&from.point.tangent, &base.tangent);
+        End { distance, value: Some(0.0), point: self.moved(&from.point, &from.point.tangent.scaled(along)) }
     }
 }
 
@@ -198,12 +229,16 @@ impl Tracer<'_> {
 struct Bracket {
     test: Test,
     ends: [End; 2],
+    /// The function at the ends, halved by the Illinois rule.
+    weights: [Option<f64>; 2],
     /// Numbers of unstable directions on either side of the zero.
     counts: [usize; 2],
     /// The end that was moved last.
     last_side: Option<usize>,
     /// The critical eigenvalue has been seen to pass zero.
     seen: bool,
+    /// Where the last trial that failed did not converge.
+    missing: Option<f64>,
 }
 
 impl Bracket {
@@ -212,11 +247,18 @@ impl Bracket {
             ends.iter_mut().for_each(|end| end.value = Some(end.point.tangent.parameter));
         }
         let counts = [0, 1].map(|side| ends[side].point.num_unstable);
-        Self { test, ends, counts, last_side: None, seen: false }
+        let weights = [0, 1].map(|side| ends[side].value);
+        Self { test, ends, weights, counts, last_side: None, seen: false, missing: None }
     }
 
     fn width(&self) -> f64 {
         self.ends[1].distance - self.ends[0].distance
+    }
+
+    /// The end nearer to a trial.
+    fn nearest(&self, distance: f64) -> &End {
+        let [low, high] = &self.ends;
+        if distance - low.distance <= high.distance - distance { low } else { high }
     }
 
     /// Whether the tested function has opposite signs at the ends.
@@ -224,10 +266,24 @@ impl Bracket {
         self.ends[0].value.zip(self.ends[1].value).is_some_and(|(a, b)| a * b < 0.0)
     }
 
-    /// Distance of the next trial.
+    /// Whether a trial lies on this path: near a branch point Newton may find the other, and the critical eigenvalue
+    /// jumps out of the interval between those of the ends.
+    fn admits(&self, trial: &End) -> bool {
+        let [low, high] = &self.ends;
+        match (self.test, low.value, high.value, trial.value) {
+            (Test::Critical, Some(a), Some(b), Some(value)) if a * b < 0.0 => (a.min(b)..a.max(b)).contains(&value),
+            _ => true,
+        }
+    }
+
+    /// Distance of the next trial; beside a place without a point half way to the farther end.
     fn next(&self) -> f64 {
         let [low, high] = &self.ends;
-        match (low.value, high.value) {
+        if let Some(missing) = self.missing.filter(|at| (low.distance..high.distance).contains(at)) {
+            let farther = if missing - low.distance > high.distance - missing { low } else { high };
+            return 0.5 * (missing + farther.distance);
+        }
+        match self.weights.into() {
             (Some(a), Some(b)) if a * b < 0.0 => {
                 low.distance + self.width() * (a / (a - b)).clamp(MARGIN, 1.0 - MARGIN)
             }
@@ -249,11 +305,12 @@ impl Bracket {
         self.seen |= passes;
         let side = usize::from(!is_low);
         self.ends[side] = trial.clone();
+        self.weights[side] = trial.value;
         if !self.seen {
             self.counts[side] = trial.point.num_unstable;
         }
         if self.last_side == Some(side) {
-            let other = &mut self.ends[1 - side].value;
+            let other = &mut self.weights[1 - side];
             *other = other.map(|v| 0.5 * v);
         }
         self.last_side = Some(side);
