@@ -4,10 +4,13 @@
 //! downhill. If the potential falls by no more than rounding the motion is neutral, such as the turning of the helix of
 //! a ring with two bending stiffnesses, and the state counts as stable.
 
+use crate::error::SolveError;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Failed, Status, StepReport};
+use crate::solve::measures::HALVINGS;
 use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
+use crate::solve::problem::state::State;
 use crate::solve::search::newton::{NewtonReport, SearchOptions};
 use crate::solve::search::trust_region::progress::stored_energy;
 
@@ -36,7 +39,7 @@ impl Solver {
             let direction = self.workspace.negative_direction(&mut self.engine)?;
             let increment: Vec<f64> = direction.iter().map(|x| x * self.options.escape_step).collect();
             let still = PrescribedMotion::default();
-            let fraction = self.engine.step_fraction(&before, &increment)?;
+            let fraction = self.first_fraction(&before, &increment)?;
             self.engine.take_state(self.engine.retract(&before, &increment, fraction));
             let work = work_of_moments(&self.engine, &increment) * fraction;
             let floor = potential.potential.total() + work - potential.rounding;
@@ -67,6 +70,19 @@ impl Solver {
             return Err(Status::Unstable.into());
         }
         Ok(outcome.left)
+    }
+
+    /// How far to go along an increment: strands pass nothing, nor are pressed deeper than the law has forces for.
+    fn first_fraction(&mut self, from: &State, increment: &[f64]) -> Result<f64, SolveError> {
+        let mut fraction = self.engine.step_fraction(from, increment)?;
+        for _ in 0..HALVINGS {
+            let there = self.engine.retract(from, increment, fraction);
+            if self.engine.potential_at(&there).is_ok_and(|potential| potential.total().is_finite()) {
+                break;
+            }
+            fraction *= 0.5;
+        }
+        Ok(fraction)
     }
 
     /// A search that ends at any equilibrium.

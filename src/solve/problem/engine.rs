@@ -14,7 +14,7 @@ use crate::math::{Quat, Vec3};
 use crate::rod::element::{ElementNodes, ElementProperties, Material, RodPlane, Strain, raw_strains, stiffness};
 use crate::rod::{Along, Natural, NaturalStrains, Rod};
 use crate::scene::{ContactLaw, Joint, JointKind, Model, NodeRef, Obstacle};
-use crate::solve::measures::NOTHING;
+use crate::solve::measures::{LAST_PLACES, NOTHING};
 use crate::solve::problem::contact_side::{self, ContactSide};
 use crate::solve::problem::contact_tangents::MaterialTangents;
 use crate::solve::problem::follower::Sharing;
@@ -195,6 +195,8 @@ pub(crate) struct Scales {
     pub(crate) bending: f64,
     /// Length that turns rotations into displacements in norms: a node distance \[L\].
     pub(crate) lever: f64,
+    /// Force of the stiffest rod by the rounding of its strains: forces below are nothing \[F\].
+    pub(crate) rounding: f64,
 }
 
 impl Engine {
@@ -545,10 +547,19 @@ fn build_elements(model: &Model, first_node: &[usize]) -> Vec<Element> {
 fn scales(model: &Model) -> Scales {
     let fold =
         |f: &dyn Fn(&Rod) -> f64, start: f64, pick: fn(f64, f64) -> f64| model.rods.iter().map(f).fold(start, pick);
+    // a radian between two nodes strains a rod by its inverse spacing
+    let stiffest = |rod: &Rod| {
+        let s = &rod.section;
+        let [axial, bending] = [[s.shearing, [s.stretching; 2]], [s.bending, [s.twisting; 2]]]
+            .map(|all| all.into_iter().flatten().fold(0.0, f64::max));
+        axial + bending / rod.spacing().powi(2)
+    };
     Scales {
         length: fold(&|r| r.length, 0.0, f64::max),
         bending: fold(&|r| r.section.smaller_bending(), f64::INFINITY, f64::min),
         lever: fold(&Rod::spacing, f64::INFINITY, f64::min),
+        // a node's force is the sum of those of its elements, each times |N′|: up to eight times
+        rounding: 8.0 * LAST_PLACES * f64::EPSILON * fold(&stiffest, 0.0, f64::max),
     }
 }
 

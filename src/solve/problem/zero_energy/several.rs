@@ -7,10 +7,12 @@
 
 use super::hinged::part_rotations;
 use super::{
-    Supports, holds_all, is_falling, is_free, is_round, least_size, left_alone, rigid_motions, spin_of, subtract,
-    subtract_force, touched_by,
+    Supports, displacement_at, holds_all, is_falling, is_free, is_round, least_size, left_alone, loads_at,
+    rigid_motions, spin_of, subtract, subtract_force, touched_by,
 };
+use crate::math::Vec3;
 use crate::math::groups::Groups;
+use crate::solve::measures::NOTHING;
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::state::State;
@@ -79,8 +81,16 @@ impl Several {
             let passing = left_alone(engine, state, &nodes, (supports.all_that_pass(&motions), parts));
             let before = several.motions.len();
             passing.iter().for_each(|motion| several.add(start, by_rods(engine, &group, motion), least));
-            let whole = |motion: &NodalMotions| motion.iter().flat_map(|(_, values)| values).copied().collect();
-            let added: Vec<Vec<f64>> = several.motions[before..].iter().map(whole).collect();
+            // what is left of a motion beside a spin may be so small that loads do work on it
+            let loads = if state.load_factor == 0.0 { Vec::new() } else { loads_at(engine, &nodes) };
+            let mut added: Vec<Vec<f64>> = Vec::new();
+            for motion in several.motions.split_off(before) {
+                let whole = motion.iter().flat_map(|(_, values)| values).copied().collect();
+                if !does_work(&loads, &whole) {
+                    added.push(whole);
+                    several.motions.push(motion);
+                }
+            }
             if !added.is_empty() {
                 several.held.push((nodes, added));
             }
@@ -150,6 +160,12 @@ impl Several {
         motion.iter_mut().flat_map(|(_, values)| values).for_each(|x| *x /= norm);
         self.motions.push(motion);
     }
+}
+
+/// Whether forces, each with the place of its node, do work on a motion of unit size.
+fn does_work(loads: &[(usize, Vec3, Vec3)], motion: &Vec<f64>) -> bool {
+    let work: f64 = loads.iter().map(|(place, force, _)| force.dot(&displacement_at(motion, *place))).sum();
+    work.abs() > NOTHING * loads.iter().map(|(_, force, _)| force.norm()).sum::<f64>()
 }
 
 /// A motion of the nodes of some rods, rod by rod.
