@@ -207,6 +207,45 @@ fn rods_that_just_touch_rest_before_they_bear_a_load() {
     assert!((floor.force - 4.0 * 0.827074).abs() < 1e-6, "{floor:?}");
 }
 
+/// Three rods, two on them, one on these, parallel to an axis, their ends aligned, at gaps of exactly 0 between walls with
+/// a little room, spread and come to rest. Symptom: "the tangent could not be factorised, deepest overlap 1.000".
+/// Mechanism: the direction in which the symmetric pile is left moves rods as wholes, and was scaled to a rotation that
+/// is rounding.
+#[test]
+fn a_pile_of_aligned_rods_spreads() {
+    let rows = [(0.02, [-0.04, 0.0, 0.04].as_slice()), (0.054_641_016_151_377_55, &[-0.02, 0.02]), (0.089_282_032_302_755_1, &[0.0])];
+    for [along, across] in [["x", "y"], ["y", "x"]] {
+        let [unit, side] = [along, across].map(|axis| ["x", "y"].map(|a| f64::from(u8::from(a == axis))));
+        let mut text = "gravity = [0.0, 0.0, -9.81]\n".to_owned();
+        for (height, places) in rows {
+            for place in places {
+                let start = [0, 1].map(|k| place * side[k] - 0.5 * unit[k]);
+                let name = format!("rod{}", text.len());
+                text += &format!(
+                    "[[rods]]\nname = \"{name}\"\nmass = 0.1\nelements = 4\nshape = {{ kind = \"line\", start = [{}, {}, \
+                     {height}], direction = [{}, {}, 0.0], length = 1.0 }}\nsection = {{ bending = 1.0, twisting = 1.0, \
+                     stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }}\n[[supports]]\nrod = \"{name}\"\nat = {{ \
+                     arc = 0.5 }}\nposition = [\"{along}\"]\n",
+                    start[0], start[1], unit[0], unit[1]
+                );
+            }
+        }
+        for (name, sign) in [("left", 1.0), ("right", -1.0)] {
+            let [normal, point] = [sign, -0.061 * sign].map(|size| side.map(|x| size * x));
+            text += &format!(
+                "[[planes]]\nname = \"{name}\"\nnormal = [{}, {}, 0.0]\npoint = [{}, {}, 0.0]\n",
+                normal[0], normal[1], point[0], point[1]
+            );
+        }
+        text += "[[planes]]\nname = \"floor\"\nnormal = [0.0, 0.0, 1.0]\n";
+        let (_, seen) = run(&text, &Options::default());
+        let end = &seen[seen.len() - 1];
+        let floor = end.obstacle_reactions.last().unwrap(); // the last of the planes
+        assert!((floor.force - 6.0 * 0.981).abs() < 1e-6, "{along}: {floor:?}");
+        assert!(end.certificate.holds() && end.num_unstable == 0, "{along}: {}", end.certificate);
+    }
+}
+
 /// Where no plane faces the weight, or loads turn a rod, it would move for ever.
 #[test]
 fn rods_that_planes_do_not_carry_are_refused() {
