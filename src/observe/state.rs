@@ -355,7 +355,7 @@ fn overlaps(
     });
     let inside = certificate.check("gaps").filter(|check| !check.holds).map(|check| {
         format!(
-            "strands overlap by {:.4} {}, which contact does not resist there, or the mesh does not resolve",
+            "strands overlap by {:.1e} {}, which contact does not resist there, or the mesh does not resolve",
             check.value, check.detail
         )
     });

@@ -209,14 +209,15 @@ fn forces_of_nothing_are_in_balance() {
     }
 }
 
-/// A rope laid on a pulley along any axis bears no load at first. Symptom: along x and z the start did not come to rest, "forces out of balance by 1.0e0 of what there
-/// is". Mechanism: all forces were rounding, and compared with their largest.
+/// A rope laid on a pulley along any axis bears no load at first, and slips off under its own. Symptom: along y the start
+/// did not come to rest, "forces out of balance by 1.0e0 of what there is". Mechanism: all forces were rounding, and
+/// compared with their largest.
 #[test]
 fn a_rope_laid_on_a_pulley_is_at_rest() {
     // straight, half a turn about the pulley, straight
-    let down = (0..6).map(|k| [-32.0, f64::from(k) * 10.0 - 60.0]);
-    let turn = (0..=20).map(|k| (f64::from(k) * std::f64::consts::PI / 20.0).sin_cos());
-    let up = (1..7).map(|k| [32.0, f64::from(k) * -10.0]);
+    let down = (0..8).map(|k| [-32.0, f64::from(k) * 10.0 - 80.0]);
+    let turn = (0..=40).map(|k| (f64::from(k) * std::f64::consts::PI / 40.0).sin_cos());
+    let up = (1..=8).map(|k| [32.0, f64::from(k) * -10.0]);
     let nodes: Vec<[f64; 2]> = down.chain(turn.map(|(sin, cos)| [-32.0 * cos, 32.0 * sin])).chain(up).collect();
     let folder = std::env::temp_dir().join(format!("supercoil_laid_rope_{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
@@ -233,17 +234,17 @@ fn a_rope_laid_on_a_pulley_is_at_rest() {
         let text = format!(
             "[[rods]]\nname = \"pulley\"\nelements = 8\nsection = {{ young = 70000.0, poisson = 0.3, circle = 30.0 }}\n\
              shape = {{ kind = \"line\", start = {:?}, direction = {:?}, length = 80.0 }}\n[[rods]]\nname = \"rope\"\n\
-             elements = 48\nsection = {{ young = 100.0, poisson = 0.4, circle = 2.0 }}\nnatural = \"as-shaped\"\nshape = {{ \
+             elements = 48\nsection = {{ young = 100.0, poisson = 0.4, circle = 2.0 }}\nshape = {{ \
              kind = \"points\", file = {file:?} }}\n[[supports]]\nrod = \"pulley\"\nat = \"start\"\nposition = true\n\
              rotation = true\n[[supports]]\nrod = \"pulley\"\nat = \"end\"\nposition = true\nrotation = true\n\
              [[supports]]\nrod = \"rope\"\nat = \"start\"\nposition = true\n[[loads]]\nrod = \"rope\"\nat = \"end\"\n\
-             force = {:?}\n",
+             force = {:?}\n[[stages]]\nramp = {{ load = 1.0 }}\nsteps = 3\n",
             place([0.0, 0.0], -40.0),
             place([0.0, 0.0], 1.0),
             place([0.0, -5.0], 0.0),
         );
-        let start = end_of(&text, 1);
-        assert_eq!(start.status, "converged", "axis {axis}: {:?}", start.certificate);
+        let end = end_of(&text, 4);
+        assert_eq!(end.status, "converged", "axis {axis}: {:?}", end.certificate);
     }
     std::fs::remove_dir_all(&folder).unwrap();
 }

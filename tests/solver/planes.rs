@@ -213,7 +213,11 @@ fn rods_that_just_touch_rest_before_they_bear_a_load() {
 /// is rounding.
 #[test]
 fn a_pile_of_aligned_rods_spreads() {
-    let rows = [(0.02, [-0.04, 0.0, 0.04].as_slice()), (0.054_641_016_151_377_55, &[-0.02, 0.02]), (0.089_282_032_302_755_1, &[0.0])];
+    let rows = [
+        (0.02, [-0.04, 0.0, 0.04].as_slice()),
+        (0.054_641_016_151_377_55, &[-0.02, 0.02]),
+        (0.089_282_032_302_755_1, &[0.0]),
+    ];
     for [along, across] in [["x", "y"], ["y", "x"]] {
         let [unit, side] = [along, across].map(|axis| ["x", "y"].map(|a| f64::from(u8::from(a == axis))));
         let mut text = "gravity = [0.0, 0.0, -9.81]\n".to_owned();
