@@ -209,9 +209,9 @@ fn forces_of_nothing_are_in_balance() {
     }
 }
 
-/// A rope laid on a pulley along any axis bears no load at first, and slips off under its own. Symptom: along y the start
-/// did not come to rest, "forces out of balance by 1.0e0 of what there is". Mechanism: all forces were rounding, and
-/// compared with their largest.
+/// A rope laid on a pulley along any axis bears no load at first, and slips off under its own. Symptom: along y the
+/// start did not come to rest, "forces out of balance by 1.0e0 of what there is". Mechanism: all forces were rounding,
+/// and compared with their largest.
 #[test]
 fn a_rope_laid_on_a_pulley_is_at_rest() {
     // straight, half a turn about the pulley, straight
