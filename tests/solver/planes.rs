@@ -207,8 +207,8 @@ fn rods_that_just_touch_rest_before_they_bear_a_load() {
     assert!((floor.force - 4.0 * 0.827074).abs() < 1e-6, "{floor:?}");
 }
 
-/// Three rods, two on them, one on these, parallel to an axis, their ends aligned, at gaps of exactly 0 between walls with
-/// a little room, spread and come to rest. Symptom: "the tangent could not be factorised, deepest overlap 1.000".
+/// Three rods, two on them, one on these, parallel to an axis, their ends aligned, at gaps of exactly 0 between walls
+/// with a little room, spread and come to rest. Symptom: "the tangent could not be factorised, deepest overlap 1.000".
 /// Mechanism: the direction in which the symmetric pile is left moves rods as wholes, and was scaled to a rotation that
 /// is rounding.
 #[test]
@@ -226,10 +226,10 @@ fn a_pile_of_aligned_rods_spreads() {
                 let start = [0, 1].map(|k| place * side[k] - 0.5 * unit[k]);
                 let name = format!("rod{}", text.len());
                 text += &format!(
-                    "[[rods]]\nname = \"{name}\"\nmass = 0.1\nelements = 4\nshape = {{ kind = \"line\", start = [{}, {}, \
-                     {height}], direction = [{}, {}, 0.0], length = 1.0 }}\nsection = {{ bending = 1.0, twisting = 1.0, \
-                     stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }}\n[[supports]]\nrod = \"{name}\"\nat = {{ \
-                     arc = 0.5 }}\nposition = [\"{along}\"]\n",
+                    "[[rods]]\nname = \"{name}\"\nmass = 0.1\nelements = 4\nshape = {{ kind = \"line\", start = [{}, \
+                     {}, {height}], direction = [{}, {}, 0.0], length = 1.0 }}\nsection = {{ bending = 1.0, \
+                     twisting = 1.0, stretching = 1e4, shearing = 1e4, contact_radius = 0.02 }}\n[[supports]]\n\
+                     rod = \"{name}\"\nat = {{ arc = 0.5 }}\nposition = [\"{along}\"]\n",
                     start[0], start[1], unit[0], unit[1]
                 );
             }

@@ -168,8 +168,8 @@ fn an_uneven_mobile_comes_to_rest() {
     let rod = |name: &str, shape: &str, stiffness: [f64; 2], mass: f64, elements: usize| {
         let [bending, stretching] = stiffness;
         format!(
-            "[[rods]]\nname = \"{name}\"\nshape = {{ kind = \"line\", {shape} }}\nmass = {mass}\nelements = {elements}\n\
-             section = {{ bending = {bending}, twisting = {bending}, stretching = {stretching}, shearing = \
+            "[[rods]]\nname = \"{name}\"\nshape = {{ kind = \"line\", {shape} }}\nmass = {mass}\n\
+             elements = {elements}\nsection = {{ bending = {bending}, twisting = {bending}, stretching = {stretching}, shearing = \
              {stretching}, contact_radius = 0.004 }}\n"
         )
     };

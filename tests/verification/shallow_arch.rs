@@ -1,8 +1,9 @@
 //! The shallow pinned arch: its symmetric path loses stability at a branch point, before its limit point.
 //!
-//! Set-up: a circular arc of radius 5 and length 1, stress-free, in a plane, pinned at both ends; B = 1, EA = GA = 1e5; a
-//! dead load at the apex; 20 cubic elements. Reference: the load in steps, up to which the arch does not snap through. At
-//! the branch point the tangent is singular: steps of any length along the path must find the same place, to 1e-6.
+//! Set-up: a circular arc of radius 5 and length 1, stress-free, in a plane, pinned at both ends; B = 1, EA = GA = 1e5;
+//! a dead load at the apex; 20 cubic elements. Reference: the load in steps, up to which the arch does not snap
+//! through. At the branch point the tangent is singular: steps of any length along the path must find the same place,
+//! to 1e-6.
 
 use crate::common;
 
