@@ -169,8 +169,8 @@ fn an_uneven_mobile_comes_to_rest() {
         let [bending, stretching] = stiffness;
         format!(
             "[[rods]]\nname = \"{name}\"\nshape = {{ kind = \"line\", {shape} }}\nmass = {mass}\n\
-             elements = {elements}\nsection = {{ bending = {bending}, twisting = {bending}, stretching = {stretching}, shearing = \
-             {stretching}, contact_radius = 0.004 }}\n"
+             elements = {elements}\nsection = {{ bending = {bending}, twisting = {bending}, stretching = \
+             {stretching}, shearing = {stretching}, contact_radius = 0.004 }}\n"
         )
     };
     let string = |name: &str, start: &str, length: f64| {
