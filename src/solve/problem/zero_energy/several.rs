@@ -85,7 +85,7 @@ impl Several {
             let loads = if state.load_factor == 0.0 { Vec::new() } else { loads_at(engine, &nodes) };
             let mut added: Vec<Vec<f64>> = Vec::new();
             for motion in several.motions.split_off(before) {
-                let whole = motion.iter().flat_map(|(_, values)| values).copied().collect();
+                let whole: Vec<f64> = motion.iter().flat_map(|(_, values)| values).copied().collect();
                 if !does_work(&loads, &whole) {
                     added.push(whole);
                     several.motions.push(motion);
@@ -163,7 +163,7 @@ impl Several {
 }
 
 /// Whether forces, each with the place of its node, do work on a motion of unit size.
-fn does_work(loads: &[(usize, Vec3, Vec3)], motion: &Vec<f64>) -> bool {
+fn does_work(loads: &[(usize, Vec3, Vec3)], motion: &[f64]) -> bool {
     let work: f64 = loads.iter().map(|(place, force, _)| force.dot(&displacement_at(motion, *place))).sum();
     work.abs() > NOTHING * loads.iter().map(|(_, force, _)| force.norm()).sum::<f64>()
 }
