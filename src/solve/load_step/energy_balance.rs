@@ -36,7 +36,7 @@ use crate::rod::RodNumber;
 use crate::scene::ContactLaw;
 use crate::scene::model::Push;
 use crate::solve::load_step::solver::Solver;
-use crate::solve::measures::{NOTHING, ROUNDING};
+use crate::solve::measures::{LAST_PLACES, NOTHING, ROUNDING};
 use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::prescribed_motion::{Lifted, PrescribedMotion, Target};
@@ -183,11 +183,12 @@ impl Solver {
     }
 }
 
-/// Of the work of reactions: strains are known to some units in the last place, forces to that part of stiffnesses.
+/// Of the work of reactions: strains are known to some units in the last place, the largest tension to that part of EA.
 /// Beams of steel that no force has reached yet have reactions of 1e-8 N.
 fn rounding_of_reactions(engine: &Engine, changes: &Changes) -> f64 {
+    let stiffest = engine.model.rods.iter().map(|rod| rod.section.stretching).fold(0.0, f64::max);
     let way: f64 = changes.drive.nodes.iter().map(|(_, displacement, _)| displacement.norm()).sum();
-    engine.scales.rounding * way
+    LAST_PLACES * f64::EPSILON * stiffest * way
 }
 
 fn work_of_motions(engine: &Engine, residual: &Residual, changes: &Changes) -> f64 {

@@ -195,8 +195,8 @@ pub(crate) struct Scales {
     pub(crate) bending: f64,
     /// Length that turns rotations into displacements in norms: a node distance \[L\].
     pub(crate) lever: f64,
-    /// Force of the stiffest rod by the rounding of its strains: forces below are nothing \[F\].
-    pub(crate) rounding: f64,
+    /// Force that is nothing: below the rounding of strains times the largest stiffness, and it bends no rod \[F\].
+    pub(crate) nothing: f64,
 }
 
 impl Engine {
@@ -559,7 +559,8 @@ fn scales(model: &Model) -> Scales {
         bending: fold(&|r| r.section.smaller_bending(), f64::INFINITY, f64::min),
         lever: fold(&Rod::spacing, f64::INFINITY, f64::min),
         // a node's force is the sum of those of its elements, each times |N′|: up to eight times
-        rounding: 8.0 * LAST_PLACES * f64::EPSILON * fold(&stiffest, 0.0, f64::max),
+        nothing: (8.0 * LAST_PLACES * f64::EPSILON * fold(&stiffest, 0.0, f64::max))
+            .min(NOTHING * fold(&|r| r.section.smaller_bending() / r.length.powi(2), 0.0, f64::max)),
     }
 }
 

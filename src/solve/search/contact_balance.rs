@@ -34,7 +34,7 @@ impl Workspace {
         self.zero_energy.remove_forces(&mut there);
         let largest = before.largest_contact_force().max(there.largest_contact_force());
         Ok(unbalanced(engine, &there) <= UNBALANCED * largest * engine.scales.lever
-            || largest <= engine.scales.rounding
+            || largest <= engine.scales.nothing
             || is_light(engine, before, size, tol_increment))
     }
 }

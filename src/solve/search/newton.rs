@@ -230,11 +230,12 @@ pub(crate) fn increment_size(engine: &Engine, step: &[f64]) -> f64 {
 }
 
 /// Largest free |gradient| over the largest sum of contributions; forces and moments are compared over the node
-/// spacing, so that pure bending, where all forces are rounding, is judged by its moments.
+/// spacing, so that pure bending, where all forces are rounding, is judged by its moments. 0 where there is nothing.
 pub(crate) fn relative_residual(engine: &Engine, residual: &Residual) -> f64 {
     let sizes = residual.magnitude.iter().enumerate().map(|(i, size)| size * lever(engine, i));
     let magnitude = sizes.fold(0.0, f64::max);
-    if magnitude > 0.0 { unbalanced(engine, residual) / magnitude } else { 0.0 }
+    let nothing = engine.scales.nothing * engine.scales.lever;
+    if magnitude > nothing { unbalanced(engine, residual) / magnitude } else { 0.0 }
 }
 
 /// Largest free |gradient|, forces times the node spacing \[F L\].

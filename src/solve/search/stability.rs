@@ -54,8 +54,8 @@ impl Workspace {
     }
 
     /// Direction of the most negative eigenvalue of the tangent at the engine's state (mass-weighted inverse iteration
-    /// from a fixed start, so that runs repeat), scaled so that the largest rotation is 1 rad, or the largest
-    /// displacement the length of the rods, where they move as wholes. Call after [`Workspace::count_unstable`].
+    /// from a fixed start, so that runs repeat), scaled so that the largest rotation is 1 rad. Call after
+    /// [`Workspace::count_unstable`].
     ///
     /// # Errors
     /// When no shift makes the tangent positive definite.
@@ -67,8 +67,8 @@ impl Workspace {
         // so few rounds that something of other modes stays in it: a direction converged to rounding has the symmetry
         // of the state, and rounding would decide which of two mirror images comes next
         self.lowest_above(engine, MAX_ITERATIONS);
-        let unit = |i: usize| if i % 6 < 3 { engine.scales.length } else { 1.0 };
-        let size = self.softest.iter().enumerate().fold(f64::MIN_POSITIVE, |a, (i, x)| a.max(x.abs() / unit(i)));
-        Ok(self.softest.iter().map(|x| x / size).collect())
+        let turn = self.softest.chunks(6).flat_map(|n| &n[3..]).fold(0.0f64, |a, b| a.max(b.abs()));
+        let scale = if turn > 0.0 { 1.0 / turn } else { 1.0 };
+        Ok(self.softest.iter().map(|x| x * scale).collect())
     }
 }

@@ -29,9 +29,7 @@ use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
-use crate::solve::search::newton::{
-    Iteration, NewtonReport, SearchOptions, increment_size, relative_residual, unbalanced,
-};
+use crate::solve::search::newton::{Iteration, NewtonReport, SearchOptions, increment_size, relative_residual};
 use crate::solve::search::workspace::{Workspace, neutral_shift};
 use convergence::{Accepted, Convergence};
 use corrected_step::{CorrectedStep, StepStart};
@@ -169,9 +167,7 @@ impl Workspace {
         (residual, drive): (&Residual, &PrescribedMotion),
         options: &SearchOptions,
     ) -> Result<Advance, SolveError> {
-        // forces that are all rounding are in balance
-        let is_nothing = unbalanced(engine, residual) <= engine.scales.rounding * engine.scales.lever;
-        let unbalanced = if is_nothing { 0.0 } else { relative_residual(engine, residual) };
+        let unbalanced = relative_residual(engine, residual);
         let mut longest = 1.0;
         // no step knows the shift of the one before: contact that was put right asks for none any more
         self.shift = 0.0;

@@ -111,7 +111,7 @@ impl Convergence {
     /// Whether contact forces have converged after a tiny step.
     fn balances(&self, engine: &Engine, residual: &Residual, trial: &CorrectedStep, accepted: &Accepted) -> bool {
         let nearly = trial.contact_change <= NEARLY && accepted.unbalanced <= NEARLY;
-        residual.largest_contact_force() * (1.0 + trial.contact_change) <= engine.scales.rounding
+        residual.largest_contact_force() * (1.0 + trial.contact_change) <= engine.scales.nothing
             || nearly && accepted.size <= NEARLY * self.tol_increment
             || is_light(engine, residual, accepted.size, self.tol_increment)
             || trial.contact_change <= CONTACT_BALANCED.max(10.0 * self.tol_increment)
