@@ -62,6 +62,12 @@ impl Tracer<'_> {
         self.correct(base, &base.tangent.scaled(distance), &Hyperplane { normal: &base.tangent, distance })
     }
 
+    /// The same point, sought from a known one.
+    fn beside(&mut self, base: &Point, from: &End, distance: f64) -> Result<Option<Point>, SolveError> {
+        let (normal, left) = (&base.tangent, distance - from.distance);
+        self.correct(&from.point, &normal.scaled(left), &Hyperplane { normal, distance: left })
+    }
+
     /// Limit points, branch points and corners between `base` and `next`, `distance` ahead of it, in their order.
     /// `None` if contact changes in a jump: `next` is on another path.
     pub(super) fn events(&mut self, base: &Point, next: &Point, distance: f64, tol: f64) -> Option<Vec<Event>> {
@@ -98,9 +104,7 @@ impl Tracer<'_> {
     fn corner(&mut self, base: &Point, [mut low, mut high]: [End; 2], tol: f64) -> [End; 2] {
         while high.distance - low.distance > tol {
             let distance = 0.5 * (low.distance + high.distance);
-            let (normal, left) = (&base.tangent, distance - low.distance);
-            let found = self.correct(&low.point, &normal.scaled(left), &Hyperplane { normal, distance: left });
-            let Ok(Some(point)) = found else { break };
+            let Ok(Some(point)) = self.beside(base, &low, distance) else { break };
             let end = End { distance, value: None, point };
             let before = end.point.num_contacts == low.point.num_contacts;
             *(if before { &mut low } else { &mut high }) = end;
@@ -178,10 +182,7 @@ impl Tracer<'_> {
         let (mut last, mut misses) = (best.distance, 0);
         for _ in 0..HALVINGS {
             let distance = bracket.next();
-            let from = bracket.nearest(distance);
-            let (normal, left) = (&base.tangent, distance - from.distance);
-            let found = self.correct(&from.point, &normal.scaled(left), &Hyperplane { normal, distance: left });
-            let found = found.unwrap_or(None).map(|point| {
+            let found = self.beside(base, bracket.nearest(distance), distance).unwrap_or(None).map(|point| {
                 let value = match test {
                     Test::Slope => point.tangent.parameter,
                     Test::Target(target) => point.value - target,
