@@ -18,7 +18,7 @@
 //! without contact, up to 1e-4 with it.
 
 use super::strains::{MaterialMatrix, PlacedRod, element_length, rule};
-use super::{Check, ContactForce, Subject, SupportForce, Worst, first_nodes, node_name};
+use super::{Check, ContactForce, Counterpart, Subject, SupportForce, Worst, first_nodes, node_name};
 use crate::math::quadrature::gauss;
 use crate::math::{Vec3, parallel};
 use crate::rod::{Deformation, ElasticEnergies, Rod};
@@ -100,7 +100,7 @@ impl Scale {
         });
         // force of a strain of 1, or of a radian between nodes
         let stiffest = stiffest.fold(0.0, f64::max);
-        let rounding = LAST_PLACES * f64::EPSILON * stiffest;
+        let rounding = LAST_PLACES * f64::EPSILON * (stiffest + Self::of_gaps(subject.model, contact));
         let tol_increment = subject.given.map_or(0.0, |(given, ..)| given.tol_increment);
         let touches = contact.iter().any(|at| at.force != Vec3::zeros());
         let tolerance = if touches { IN_CONTACT.max(OF_INCREMENTS * tol_increment) } else { FREE };
@@ -109,6 +109,20 @@ impl Scale {
         // forces that are all rounding balance to rounding; strains of increments are squared
         let nothing = rounding + unfelt + tol_increment * tol_increment * stiffest;
         Self { force: force + nothing / tolerance, tolerance }
+    }
+
+    /// Force of contact with obstacles, on a node, of overlaps as large as their distance from the origin \[F\]: what
+    /// the rounding of overlaps is a part of. (Between strands overlaps are those of coordinates near by.)
+    fn of_gaps(model: &Model, contact: &[ContactForce]) -> f64 {
+        let at_obstacles = contact.iter().filter(|at| matches!(at.partner, Counterpart::Obstacle(_)));
+        let reach = at_obstacles.map(|at| at.at.norm()).fold(0.0, f64::max);
+        let touching = || model.rods.iter().filter(|rod| rod.section.contact_radius > 0.0);
+        let smallest = |of: fn(&Rod) -> f64| touching().map(of).fold(f64::INFINITY, f64::min);
+        let radius = smallest(Rod::least_contact_radius);
+        let bending = smallest(|rod| rod.section.smaller_bending()) / radius.powi(2);
+        let spacing = touching().map(Rod::spacing).fold(0.0, f64::max);
+        let stiffness = model.contact.law.stiffness().unwrap_or(0.0);
+        if reach > 0.0 { stiffness * bending * (spacing / radius) * (reach / radius) } else { 0.0 }
     }
 }
 

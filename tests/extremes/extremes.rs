@@ -8,7 +8,7 @@
 
 use crate::common;
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::ControlFlow;
 
 use common::{observed, runge_kutta};
@@ -85,9 +85,30 @@ fn slender(slenderness: f64) -> Section {
     Section::isotropic(1.0, 0.8, 4.0 * slenderness.powi(2), 1.5 * slenderness.powi(2), 0.0)
 }
 
+/// Quarters of a circle, clamped, a million times as long as thick, *return* under all their load at once. Symptom: some
+/// meshes and forces did not converge. Mechanism: lengthened steps put wrong by as much what they had put right of the
+/// stretch, whose forces then made the tangent indefinite.
+#[test]
+fn slender_arcs_bear_their_load_at_once() {
+    let radius = 1.0 / FRAC_PI_2;
+    let shape = Shape::Arc { start: Vec3::zeros(), tangent: Vec3::x(), towards: Vec3::y(), radius, angle: FRAC_PI_2 };
+    let forces = [[0.8, -1.1, 2.5], [1.5, 2.0, -1.5], [-2.5, 0.5, 1.0]].map(Vec3::from);
+    for (elements, order) in [(6, 3), (48, 3), (96, 2), (96, 3)] {
+        for force in forces {
+            let mesh = RodMesh::open(elements, order);
+            let rod = Rod::new("arc", &shape, mesh, common::slender_disc(1e6), Natural::AsShaped).unwrap();
+            let mut solver = Solver::new(common::cantilever(rod, force, Vec3::zeros()), Options::default()).unwrap();
+            let report = load(&mut solver, 1);
+            let case = format!("{elements} elements of order {order}, {force:?}");
+            assert_eq!((report.status, report.num_unstable), (Status::Converged, 0), "{case}");
+            assert!(report.iterations < 300, "{case}: {} iterations", report.iterations);
+        }
+    }
+}
+
 /// *Returns* up to slenderness 1e6 with the error of the mesh, none of it by slenderness. Beyond, the stiffness no
 /// longer holds bending in its digits ([`the_stiffness_holds_no_bending_at_slenderness_1e7`]): coarse meshes still
-/// *return* at 3e6, and 1e7 is *refused* by `MaxIterations`.
+/// *return* at 3e6; at 1e7 they *return* as well, or are *refused* by `MaxIterations`.
 #[test]
 fn slenderness_from_3_to_1e7() {
     for half_decades in 1..=14 {
@@ -108,8 +129,7 @@ fn slenderness_from_3_to_1e7() {
             let error = (tip(&solver) - exact).norm();
             let last = report.history.last().and_then(|h| h.last()).map(|i| (i.increment, i.residual));
             println!("{slenderness:.1e}: {} in {}, error {error:.1e}, {last:?}", report.status, report.iterations);
-            if slenderness > 5e6 {
-                assert_eq!(report.status, Status::MaxIterations, "{slenderness:e}");
+            if slenderness > 5e6 && report.status == Status::MaxIterations {
                 continue;
             }
             assert_eq!(report.status, Status::Converged, "{slenderness:e}");

@@ -56,15 +56,14 @@ fn snap_of_an_oval_ring() {
     }
 }
 
-/// In steps of any size, at about the same price: 530 to 670 iterations. The beam slides softly along the ring; with a
-/// shift for stiffer motions 20 steps take 9369 iterations, 36 steps 13 653; with corrections as long as they like 36
-/// steps take 811.
+/// In steps of any size, at about the same price: 15 to 45 steps take 240 to 860 iterations. The beam slides softly along
+/// the ring; with a shift for stiffer motions 20 steps take 9369 iterations, 36 steps 13 653.
 #[test]
 fn contact_beside_a_clamp() {
     for steps in [18, 20, 36] {
         let states = states_of("contact_beside_a_clamp", |stage| stage.steps = steps);
         let iterations: usize = states.iter().map(|state| state.iterations).sum();
-        assert!(iterations < 800, "{steps} steps: {iterations}");
+        assert!(iterations < 1000, "{steps} steps: {iterations}");
     }
 }
 

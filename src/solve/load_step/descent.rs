@@ -8,14 +8,19 @@ use crate::error::SolveError;
 use crate::solve::load_step::solver::Solver;
 use crate::solve::load_step::step_report::{Failed, Status, StepReport};
 use crate::solve::measures::HALVINGS;
+use crate::solve::problem::assembly::Potential;
 use crate::solve::problem::moment_load::work_of_moments;
 use crate::solve::problem::prescribed_motion::PrescribedMotion;
 use crate::solve::problem::state::State;
 use crate::solve::search::newton::{NewtonReport, SearchOptions};
-use crate::solve::search::trust_region::progress::stored_energy;
 
 /// Fall of the potential, over the energy stored, from which leaving an unstable equilibrium was worth the name.
 const LEAST_FALL: f64 = 0.01;
+
+/// Energy stored in rods and contact \[F·L\].
+fn stored_energy(potential: &Potential) -> f64 {
+    potential.elastic.total() + potential.contact.abs()
+}
 
 impl Solver {
     /// Equilibrium search that leaves unstable equilibria, from which the potential falls by more than rounding; the
@@ -66,7 +71,7 @@ impl Solver {
         if !outcome.converged {
             return Err(Failed { status: Status::MaxIterations, error: outcome.obstacle });
         }
-        if outcome.at_saddle || options.is_at_rest(&outcome) && outcome.num_unstable > 0 && leaves {
+        if options.is_at_rest(&outcome) && outcome.num_unstable > 0 && leaves {
             return Err(Status::Unstable.into());
         }
         Ok(outcome.left)

@@ -20,8 +20,8 @@ const BAD_STEPS: usize = 2;
 pub struct NewtonOptions {
     /// Converged when a full step moves no node by more than this × node spacing and turns none by more (rad).
     pub tol_increment: f64,
-    /// Largest number of iterations in a row without progress (decrease of the potential by 1e-2 of the stored energy).
-    /// For searches without a potential: largest number of iterations.
+    /// Largest number of iterations in which no node goes farther than the node spacing, nor turns by more than 1 rad,
+    /// while the potential falls. For searches without a potential: largest number of iterations.
     pub max_iterations: usize,
     /// Search for minima, with the tangent shifted until it has no negative eigenvalue. Off: for any equilibrium.
     pub stable_only: bool,
@@ -69,8 +69,6 @@ pub(crate) struct NewtonReport {
     pub(crate) work: f64,
     /// What kept the last step from being taken as a whole, if the search did not converge.
     pub(crate) obstacle: Option<SolveError>,
-    /// Whether it ended because it would creep away from a saddle.
-    pub(crate) at_saddle: bool,
     /// Whether an [`Interrupt`] ended it.
     pub(crate) interrupted: bool,
 }
@@ -114,7 +112,7 @@ pub(crate) struct SearchOptions<'a> {
 impl SearchOptions<'_> {
     /// Whether a search ended in an equilibrium, not only near enough for the next one.
     pub(crate) fn is_at_rest(&self, report: &NewtonReport) -> bool {
-        report.converged && (self.rough.is_none() || report.at_saddle || report.left <= self.newton.tol_increment)
+        report.converged && (self.rough.is_none() || report.left <= self.newton.tol_increment)
     }
 
     /// The same of a search of whose end nothing is known.

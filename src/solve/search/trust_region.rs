@@ -9,21 +9,21 @@
 //! closes along the step the corrections may not converge; then the state of lowest potential among them is taken if it
 //! lies low enough. The trust region is a radius in rotations and in sliding at contacts, held by the shift τ in K +
 //! τM: at least so large that no negative eigenvalue is left, larger until the step is within the radius. Then the step
-//! goes on along itself to where the quadratic model is lowest within the radius: a shift that one stiff or unstable
-//! direction asks for would keep all others short, and a valley that hardly falls takes hundreds of steps where a few
-//! will do.
+//! goes on, along what the shift held back, to where the quadratic model is lowest within the radius: a shift that one
+//! unstable direction asks for would keep all others short, and a valley that hardly falls takes hundreds of steps
+//! where a few will do.
 //!
-//! A search continues as long as the potential falls or supports advance ([`progress`]).
+//! A search continues as long as it gets anywhere ([`progress`]).
 
 mod convergence;
 mod corrected_step;
-pub(in crate::solve) mod progress;
+mod progress;
 mod radius;
 mod step;
 
 use crate::error::SolveError;
 use crate::rod::element::Stress;
-use crate::solve::measures::{BALANCED, HALVINGS};
+use crate::solve::measures::HALVINGS;
 use crate::solve::problem::assembly::{Potential, Residual};
 use crate::solve::problem::engine::Engine;
 use crate::solve::problem::moment_load::work_of_moments;
@@ -80,7 +80,7 @@ impl Search {
         let state = engine.state().clone();
         let stress = engine.stress_with(&state, options.forces);
         let remaining = if drive.nodes.is_empty() { 0.0 } else { 1.0 };
-        let progress = SearchProgress::new(newton.max_iterations);
+        let progress = SearchProgress::new(newton.max_iterations, &state);
         let rest = Convergence::new(newton.tol_increment, options.rough);
         Self {
             state,
@@ -148,8 +148,8 @@ impl Workspace {
                 break;
             }
             // without a potential a search may go round in circles, on each of which moments do work
-            let potential = if engine.is_conservative() { potential } else { Potential::default() };
-            search.progress.see(&potential, search.remaining);
+            let potential = if engine.is_conservative() { potential.total() } else { 0.0 };
+            search.progress.see(engine, &search.state, &residual, (potential, search.remaining));
             match self.advance(engine, &mut search, (&residual, &drive_now), options)? {
                 Advance::Done => {}
                 Advance::NoFarther => break,
@@ -269,16 +269,7 @@ impl Workspace {
             search.report.end_with(left);
         }
         search.rejections = if search.rest.is_stuck(&accepted) { search.rejections + 1 } else { 0 };
-        let potential = search.potential(residual);
         self.move_to(engine, search, residual, (step, trial));
-        let lingers = search.rest.lingers(&potential, &accepted) && !search.report.converged;
-        let balanced = accepted.unbalanced <= BALANCED;
-        // out of balance it is no equilibrium: the caller leaves it, or the search has failed; without a potential it
-        // may still become one, a negative eigenvalue or not
-        if lingers && (balanced || engine.is_conservative()) && self.count_unstable(engine)? > 0 {
-            search.report.end_with(accepted.size);
-            search.report.at_saddle = !balanced;
-        }
         Ok(if search.rejections > HALVINGS { Advance::NoFarther } else { Advance::Done })
     }
 

@@ -16,7 +16,8 @@ pub struct SolverChoice {
     /// more (rad). Legal: between 0 and 1.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1, "x-default" = "1e-8, or by `fidelity`"))]
     pub tol_increment: Option<f64>,
-    /// Largest number of Newton iterations of a step, after which it counts as failed. Legal: ≥ 1.
+    /// Largest number of Newton iterations in a row that lead nowhere: no node goes farther than the node spacing, nor
+    /// turns by more than 1 rad, while the energy falls. With moments in space, of all iterations. Legal: ≥ 1.
     #[schemars(extend("minimum" = 1, "x-default" = "500"))]
     pub max_iterations: Option<usize>,
     /// Number of threads; results do not depend on it. Legal: 1 to [`MOST_THREADS`].

@@ -1,20 +1,15 @@
 //! Convergence of the trust-region search.
 
 use super::corrected_step::CorrectedStep;
-use super::progress::stored_energy;
 use super::step::ModelStep;
-use crate::solve::measures::{BALANCED, NOTHING};
-use crate::solve::problem::assembly::{Potential, Residual};
+use crate::solve::measures::BALANCED;
+use crate::solve::problem::assembly::Residual;
 use crate::solve::problem::engine::Engine;
 use crate::solve::search::contact_balance::is_light;
 
 /// Largest change of contact forces in the last step of a rough search, over their size, because the next step then
 /// changes them by less than a fifth.
 const CONTACT_FOUND: f64 = 0.4;
-/// Steps in a row, shifted because the tangent is indefinite, in which the potential falls by [`NOTHING`] of the stored
-/// energy: the search lingers near a saddle. From there it would creep away by the ratio of a small eigenvalue to the
-/// shift, a thousand iterations in a heap of rods that may roll.
-const LINGERING: usize = 16;
 /// Change of contact forces, over their size, with which they have converged, because they are known no better than
 /// gaps are.
 const CONTACT_BALANCED: f64 = 1e-6;
@@ -44,13 +39,11 @@ pub(super) struct Convergence {
     tol_increment: f64,
     /// Extent of the last step of a rough search.
     rough: Option<f64>,
-    /// Shifted steps in a row that hardly lowered the potential, and the potential before them \[F·L\].
-    lingering: (usize, f64),
 }
 
 impl Convergence {
     pub(super) fn new(tol_increment: f64, rough: Option<f64>) -> Self {
-        Self { tol_increment, rough, lingering: (0, f64::INFINITY) }
+        Self { tol_increment, rough }
     }
 
     /// Whether a step is below the tolerance.
@@ -64,21 +57,10 @@ impl Convergence {
         accepted.is_indefinite && accepted.size <= self.tol_increment && accepted.unbalanced > NEARLY
     }
 
-    /// Whether the search lingers with an accepted step from the state of this potential.
-    pub(super) fn lingers(&mut self, potential: &Potential, accepted: &Accepted) -> bool {
-        let (steps, before) = self.lingering;
-        let falls = potential.total() < before - NOTHING * stored_energy(potential);
-        // a large shift alone makes steps short, but leaves forces out of balance
-        let nearly = accepted.is_indefinite && accepted.unbalanced <= NEARLY && !accepted.goes_on;
-        self.lingering = if nearly && !falls { (steps + 1, before) } else { (0, potential.total()) };
-        // asked again after as many steps if it is no saddle
-        self.lingering.0 > 0 && self.lingering.0.is_multiple_of(LINGERING)
-    }
-
     /// Size of the increment that is left after an accepted step from the state of `residual`, if the search has
     /// converged with it; 0 where the step was rounding.
     pub(super) fn left(
-        &mut self,
+        &self,
         engine: &Engine,
         residual: &Residual,
         (step, trial): (&ModelStep, &CorrectedStep),

@@ -1,62 +1,63 @@
-//! Budget of a search: iterations without progress.
+//! Budget of a search: iterations in which it gets nowhere.
 
-use crate::solve::measures::NOTHING;
-use crate::solve::problem::assembly::Potential;
+use crate::solve::problem::assembly::Residual;
+use crate::solve::problem::engine::Engine;
+use crate::solve::problem::state::State;
+use crate::solve::search::newton::increment_size;
 
-/// Decrease of the potential over the stored energy, or advance of a motion over its remainder, that counts as
-/// progress, because a snap of magnetic tweezers descends for 700 iterations by as much in a hundred.
+/// Displacement of a node over the node spacing, or rotation in rad, that counts as progress if the potential falls,
+/// because the rods then lie elsewhere on the mesh. The potential alone does not tell: rods of a heap slide for
+/// thousands of iterations by 1e-4 of the energy that is bent into its rings.
+const ELSEWHERE: f64 = 1.0;
+/// Advance of a prescribed motion, over its remainder, that counts as progress, because a hundred of them make most of
+/// it.
 const PROGRESS: f64 = 0.01;
-
-/// Fall in the second half of the iterations allowed, over that in the first, with which a search goes on, because one
-/// that leaves a saddle falls faster and faster: rods of a heap that roll off each other, by 1e-4 of the energy of its
-/// rings. At most some thirty times in a row, by as many factors of two.
-const FASTER: f64 = 2.0;
-
-/// Energy stored in rods and contact.
-pub(in crate::solve) fn stored_energy(potential: &Potential) -> f64 {
-    potential.elastic.total() + potential.contact.abs()
-}
 
 /// Iterations since the last progress.
 #[derive(Debug)]
 pub(super) struct SearchProgress {
     allowed: usize,
     idle: usize,
-    /// At the last progress, half of the allowed iterations later, and now \[F·L\].
+    /// Where the search was at the last progress.
+    state: State,
+    last: Sight,
+}
+
+/// What a search sees of itself before an iteration.
+#[derive(Debug, Clone, Copy)]
+struct Sight {
+    /// Potential \[F·L\]; always the same where there is none.
     potential: f64,
-    halfway: f64,
-    last: f64,
-    /// Fall that is none \[F·L\].
-    unseen: f64,
+    /// Its rounding error \[F·L\].
+    rounding: f64,
+    /// Remaining part of prescribed motions.
     remaining: f64,
 }
 
+impl Sight {
+    /// Whether it is progress over an earlier one, after nodes have moved as far as this, see [`increment_size`].
+    fn is_beyond(&self, earlier: &Self, moved: f64) -> bool {
+        let falls = self.potential < earlier.potential - self.rounding;
+        falls && moved > ELSEWHERE || self.remaining < (1.0 - PROGRESS) * earlier.remaining
+    }
+}
+
 impl SearchProgress {
-    /// With this number of iterations allowed without progress.
-    pub(super) fn new(allowed: usize) -> Self {
-        let none = f64::INFINITY;
-        Self { allowed, idle: 0, potential: none, halfway: none, last: none, unseen: 0.0, remaining: 1.0 }
+    /// With this number of iterations allowed without progress, from a state.
+    pub(super) fn new(allowed: usize, state: &State) -> Self {
+        let last = Sight { potential: f64::INFINITY, rounding: 0.0, remaining: 1.0 };
+        Self { allowed, idle: 0, state: state.clone(), last }
     }
 
-    /// Records the state before an iteration. Progress is a decrease of the potential by a hundredth of the stored
-    /// energy, or as large an advance of a prescribed motion, relative to its remainder; when the budget is spent, a
-    /// fall that becomes faster.
-    pub(super) fn see(&mut self, potential: &Potential, remaining: f64) {
-        let total = potential.total();
-        let falls = total < self.potential - PROGRESS * stored_energy(potential);
-        let advances = remaining < (1.0 - PROGRESS) * self.remaining;
-        if falls || advances || self.idle >= self.allowed && self.falls_faster() {
-            (self.idle, self.potential, self.remaining) = (0, total, remaining);
+    /// Records the state before an iteration, its potential \[F·L\] and the remaining part of prescribed motions.
+    pub(super) fn see(&mut self, engine: &Engine, state: &State, residual: &Residual, at: (f64, f64)) {
+        let sight = Sight { potential: at.0, rounding: residual.rounding, remaining: at.1 };
+        let moved = increment_size(engine, &state.increment_since(&self.state));
+        if self.last.potential.is_infinite() || sight.is_beyond(&self.last, moved) {
+            self.idle = 0;
+            self.state.clone_from(state);
+            self.last = sight;
         }
-        if 2 * self.idle <= self.allowed {
-            self.halfway = total;
-        }
-        (self.last, self.unseen) = (total, NOTHING * stored_energy(potential));
-    }
-
-    fn falls_faster(&self) -> bool {
-        let (first, second) = (self.potential - self.halfway, self.halfway - self.last);
-        first > self.unseen && second > FASTER * first
     }
 
     /// Counts an iteration.
@@ -66,62 +67,28 @@ impl SearchProgress {
 
     /// Whether the budget is spent.
     pub(super) fn is_over(&self) -> bool {
-        self.idle >= self.allowed && !self.falls_faster()
+        self.idle >= self.allowed
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod::ElasticEnergies;
 
-    fn at(potential: f64) -> Potential {
-        Potential {
-            elastic: ElasticEnergies { stretching: 1.0, ..ElasticEnergies::default() },
-            load: potential - 1.0,
-            ..Potential::default()
-        }
-    }
+    const START: Sight = Sight { potential: 1.0, rounding: 1e-12, remaining: 1.0 };
 
     #[test]
-    fn descent_goes_on_and_standstill_does_not() {
-        let mut progress = SearchProgress::new(3);
-        for k in 0..100 {
-            progress.see(&at(-0.01 * f64::from(k)), 0.0);
-            assert!(!progress.is_over(), "{k}");
-            progress.count();
-        }
-        (0..2).for_each(|_| progress.count());
-        progress.see(&at(-0.99 - 1e-4), 0.0);
-        assert!(progress.is_over());
-    }
-
-    /// As from a saddle: little, but more and more, until it falls evenly.
-    #[test]
-    fn a_descent_that_becomes_faster_goes_on() {
-        let mut progress = SearchProgress::new(10);
-        let mut fall = 1e-8;
-        for k in 0..60 {
-            progress.see(&at(-fall), 0.0);
-            assert!(!progress.is_over(), "{k}");
-            progress.count();
-            fall *= 1.2;
-        }
-        let over = (0..30).position(|k| {
-            progress.see(&at(-fall * (1.0 + 1e-3 * f64::from(k))), 0.0);
-            progress.count();
-            progress.is_over()
-        });
-        assert!(over.is_some_and(|k| k < 25), "{over:?}");
+    fn a_descent_that_leads_elsewhere_is_progress_and_no_other() {
+        let lower = Sight { potential: 1.0 - 1e-9, ..START };
+        assert!(lower.is_beyond(&START, 1.1));
+        assert!(!lower.is_beyond(&START, 0.9));
+        assert!(!START.is_beyond(&START, 100.0), "a motion that costs nothing");
+        assert!(!Sight { potential: 1.0 - 1e-13, ..START }.is_beyond(&START, 100.0), "rounding");
     }
 
     #[test]
     fn a_push_that_advances_is_progress() {
-        let mut progress = SearchProgress::new(2);
-        for k in 1..100 {
-            progress.see(&at(f64::from(k)), 0.99f64.powi(k));
-            assert!(!progress.is_over(), "{k}");
-            progress.count();
-        }
+        assert!(Sight { potential: 2.0, remaining: 0.98, ..START }.is_beyond(&START, 0.0));
+        assert!(!Sight { potential: 2.0, remaining: 0.995, ..START }.is_beyond(&START, 10.0));
     }
 }

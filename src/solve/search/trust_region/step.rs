@@ -43,28 +43,12 @@ pub(super) struct ModelStep {
     pub(super) inertia: f64,
 }
 
-impl ModelStep {
-    /// Extends the step along itself to the minimum of the model within the radius, if the model falls by more than
-    /// `unseen` on the way. A shift that one direction requires shortens all others, in a flat valley a hundredfold.
-    fn lengthen(&mut self, radius: f64, unseen: f64) {
-        let lowest = if self.curvature > 0.0 { -self.slope / self.curvature } else { f64::INFINITY };
-        let longer = lowest.min(radius / self.extent);
-        let decrease = -longer * (self.slope + 0.5 * longer * self.curvature);
-        if !(longer > 1.0 && longer.is_finite() && decrease > unseen) {
-            return;
-        }
-        self.increment.iter_mut().chain(&mut self.raw).for_each(|x| *x *= longer);
-        self.extent *= longer;
-        self.slope *= longer;
-        self.curvature *= longer * longer;
-        self.inertia *= longer * longer;
-    }
-}
-
 impl Workspace {
     /// Factorises with the present shift, raised until no eigenvalue is negative; a raised shift is then lowered to
     /// half again as much as the lowest eigenvalue asks for, so that an unstable direction is followed at the stride of
-    /// a Newton step.
+    /// a Newton step. From a shift far above it that eigenvalue is guessed too small, so the shift is sought in decades
+    /// between the guess and what is convex: stiff rods that swing have eigenvalues of their loads, a thousandth of
+    /// those of bending, and under a shift of bending they would swing in thousands of steps.
     fn convexify(&mut self, engine: &Engine, iteration: usize) -> Result<(), SolveError> {
         if self.factorise(engine, self.shift) == Some(0) {
             return Ok(());
@@ -74,14 +58,28 @@ impl Workspace {
         self.shift = self.convex_shift(engine, start, CLIMBING, iteration)?;
         let estimate = MARGIN * (self.shift - self.lowest_above(engine, 4)).max(lower);
         if LEAST_CHANGE * estimate < self.shift {
-            let safe = self.shift;
-            self.shift = estimate.max(NEUTRAL_SHIFT);
-            if self.factorise(engine, self.shift) != Some(0) {
-                self.shift = safe;
-                self.factorise(engine, safe);
-            }
+            self.lower_shift(engine, estimate.max(NEUTRAL_SHIFT));
         }
         Ok(())
+    }
+
+    /// Lowers a convex shift to `lowest`, or else to within a factor [`CLIMBING`] of one that is not convex.
+    fn lower_shift(&mut self, engine: &Engine, lowest: f64) {
+        if self.factorise(engine, lowest) == Some(0) {
+            self.shift = lowest;
+            return;
+        }
+        let mut concave = lowest;
+        while self.shift > CLIMBING * concave {
+            let between = (self.shift * concave).sqrt();
+            match self.factorise(engine, between) {
+                Some(0) => self.shift = between,
+                _ => concave = between,
+            }
+        }
+        if self.factorised != self.shift {
+            self.factorise(engine, self.shift);
+        }
     }
 
     /// Rayleigh quotient of the last estimate of the softest direction; 0 without one.
@@ -140,9 +138,33 @@ impl Workspace {
             step = self.model_step(engine, residual, drive, at)?;
         }
         if radius.is_finite() && self.shift > 0.0 {
-            step.lengthen(radius, residual.rounding);
+            self.lengthen(engine, residual, &mut step, radius);
         }
         Ok(step)
+    }
+
+    /// Extends a shifted step Δ by w = (K + τM)⁻¹MΔ to the minimum of the model along it, within the radius. A shift that
+    /// one direction asks for shortens all others, in a flat valley a hundredfold. Along w what is stiff hardly moves:
+    /// along Δ itself, stretch and contact that the step has put right would be put wrong again by as much.
+    fn lengthen(&mut self, engine: &Engine, residual: &Residual, step: &mut ModelStep, radius: f64) {
+        let pull: Vec<f64> = step.raw.iter().zip(&engine.metric).map(|(x, m)| x * m).collect();
+        let raw = self.solve_last(&pull);
+        let mut way = raw.clone();
+        self.zero_energy.remove(&mut way);
+        let drag = self.shift * self.free_dot(engine, &raw, |i| pull[i]);
+        let curvature = self.energy_norm_sq(engine, &raw, 0.0);
+        let most = (radius - step.extent).max(0.0) / extent(engine, residual, &way);
+        let longer = if curvature > 0.0 { most.min(drag / curvature) } else { most };
+        let decrease = longer * (drag - 0.5 * longer * curvature);
+        if !(longer.is_finite() && decrease > residual.rounding) {
+            return;
+        }
+        let slope = self.free_dot(engine, &raw, |i| residual.gradient[i]);
+        step.increment.iter_mut().zip(&way).for_each(|(x, w)| *x += longer * w);
+        step.extent = extent(engine, residual, &step.increment);
+        step.slope += longer * slope;
+        step.curvature += longer * (longer * curvature - 2.0 * (slope + drag));
+        step.inertia += longer * (2.0 * drag / self.shift + longer * self.inertia(engine, &raw));
     }
 
     /// The shift that shortens a step by a factor, if the step is a single mode with its Rayleigh quotient for
