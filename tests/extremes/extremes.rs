@@ -85,9 +85,9 @@ fn slender(slenderness: f64) -> Section {
     Section::isotropic(1.0, 0.8, 4.0 * slenderness.powi(2), 1.5 * slenderness.powi(2), 0.0)
 }
 
-/// Quarters of a circle, clamped, a million times as long as thick, *return* under all their load at once. Symptom: some
-/// meshes and forces did not converge. Mechanism: lengthened steps put wrong by as much what they had put right of the
-/// stretch, whose forces then made the tangent indefinite.
+/// Quarters of a circle, clamped, a million times as long as thick, *return* under all their load at once. Symptom:
+/// some meshes and forces did not converge. Mechanism: lengthened steps put wrong by as much what they had put right
+/// of the stretch, whose forces then made the tangent indefinite.
 #[test]
 fn slender_arcs_bear_their_load_at_once() {
     let radius = 1.0 / FRAC_PI_2;

@@ -56,8 +56,8 @@ fn snap_of_an_oval_ring() {
     }
 }
 
-/// In steps of any size, at about the same price: 15 to 45 steps take 240 to 860 iterations. The beam slides softly along
-/// the ring; with a shift for stiffer motions 20 steps take 9369 iterations, 36 steps 13 653.
+/// In steps of any size, at about the same price: 15 to 45 steps take 240 to 860 iterations. The beam slides softly
+/// along the ring; with a shift for stiffer motions 20 steps take 9369 iterations, 36 steps 13 653.
 #[test]
 fn contact_beside_a_clamp() {
     for steps in [18, 20, 36] {

@@ -182,8 +182,8 @@ fn a_heap_in_a_trough_comes_to_rest() {
 }
 
 /// Nine rods of random stiffness, five of them rings, slide down a groove and lie on each other. Symptom: the search
-/// ended on the way, "Newton did not converge". Mechanism: progress was a fall by a hundredth of the stored energy, most
-/// of which is bent into the rings; rods slide for a thousand iterations by less.
+/// ended on the way, "Newton did not converge". Mechanism: progress was a fall by a hundredth of the stored energy,
+/// most of which is bent into the rings; rods slide for a thousand iterations by less.
 #[test]
 fn a_heap_with_rings_in_a_groove_comes_to_rest() {
     let text = include_str!("../scenes/heap_in_a_groove.toml");

@@ -203,7 +203,7 @@ fn an_uneven_mobile_comes_to_rest() {
 }
 
 /// Stiff sticks on pins, a chain upside down, an arch between two supports and a necklace hung by a pin, fall and hang.
-/// Symptom: 11 797 and 16 579 iterations, and no end. Mechanism: the eigenvalues of their swings are a thousandth of
+/// Symptom: 11 797, 16 579 and 50 431 iterations. Mechanism: the eigenvalues of their swings are a thousandth of
 /// those of bending; the shift that made the tangent convex was one of bending.
 #[test]
 fn stiff_sticks_on_pins_fall_in_few_steps() {
@@ -212,9 +212,9 @@ fn stiff_sticks_on_pins_fall_in_few_steps() {
         for (k, pair) in points.windows(2).enumerate() {
             let [dx, dz] = [0, 1].map(|i| pair[1][i] - pair[0][i]);
             text += &format!(
-                "[[rods]]\nname = \"r{k}\"\nmass = 0.1\nelements = 4\nshape = {{ kind = \"line\", start = [{}, 0, {}], \
-                 direction = [{dx}, 0, {dz}], length = {} }}\nsection = {{ bending = 50, twisting = 50, stretching = 1e5, \
-                 shearing = 1e5, contact_radius = 0.005 }}\n",
+                "[[rods]]\nname = \"r{k}\"\nmass = 0.1\nelements = 4\n\
+                 shape = {{ kind = \"line\", start = [{}, 0, {}], direction = [{dx}, 0, {dz}], length = {} }}\n\
+                 section = {{ bending = 50, twisting = 50, stretching = 1e5, shearing = 1e5, contact_radius = 0.005 }}\n",
                 pair[0][0],
                 pair[0][1],
                 dx.hypot(dz)
@@ -241,7 +241,7 @@ fn stiff_sticks_on_pins_fall_in_few_steps() {
     let scenes = [
         ("chain", sticks(&upside_down, &[(0, "start")]), 5.0, -1.5),
         ("arch", sticks(&arch, &[(0, "start"), (5, "end")]), 6.0, f64::NAN),
-        ("necklace", sticks(&necklace, &[(3, "start")]), 12.0, f64::NAN),
+        ("necklace", sticks(&necklace, &[(3, "start")]) + "[contact]\nlaw = \"none\"\n", 12.0, f64::NAN),
     ];
     for (name, text, number, end) in scenes {
         let (solution, seen) = run(&text);

@@ -143,9 +143,9 @@ impl Workspace {
         Ok(step)
     }
 
-    /// Extends a shifted step Δ by w = (K + τM)⁻¹MΔ to the minimum of the model along it, within the radius. A shift that
-    /// one direction asks for shortens all others, in a flat valley a hundredfold. Along w what is stiff hardly moves:
-    /// along Δ itself, stretch and contact that the step has put right would be put wrong again by as much.
+    /// Extends a shifted step Δ by w = (K + τM)⁻¹MΔ to the minimum of the model along it, within the radius. A shift
+    /// that one direction asks for shortens all others, in a flat valley a hundredfold. Along w what is stiff hardly
+    /// moves: along Δ itself, stretch and contact that the step has put right would be put wrong again by as much.
     fn lengthen(&mut self, engine: &Engine, residual: &Residual, step: &mut ModelStep, radius: f64) {
         let pull: Vec<f64> = step.raw.iter().zip(&engine.metric).map(|(x, m)| x * m).collect();
         let raw = self.solve_last(&pull);
