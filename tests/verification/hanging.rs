@@ -214,7 +214,8 @@ fn stiff_sticks_on_pins_fall_in_few_steps() {
             text += &format!(
                 "[[rods]]\nname = \"r{k}\"\nmass = 0.1\nelements = 4\n\
                  shape = {{ kind = \"line\", start = [{}, 0, {}], direction = [{dx}, 0, {dz}], length = {} }}\n\
-                 section = {{ bending = 50, twisting = 50, stretching = 1e5, shearing = 1e5, contact_radius = 0.005 }}\n",
+                 section = {{ bending = 50, twisting = 50, stretching = 1e5, shearing = 1e5, contact_radius = 0.005 \
+                 }}\n",
                 pair[0][0],
                 pair[0][1],
                 dx.hypot(dz)
