@@ -198,3 +198,65 @@ fn extent(engine: &Engine, residual: &Residual, step: &[f64]) -> f64 {
     let turn = residual.surface_contacts.iter().map(lifting).fold(turn, f64::max);
     residual.contact_pairs.iter().map(sliding).fold(turn, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
+    use crate::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Support};
+
+    /// Two columns along z, one on the other by a pin, clamped at both ends but for the height of the upper one, under a
+    /// load beyond the critical one and a small one aside.
+    fn columns() -> Engine {
+        let rod = |height: f64| {
+            let shape = Shape::Line { start: Vec3::z() * height, direction: Vec3::z(), length: 1.0 };
+            let section = Section::isotropic(1.0, 1.0, 1e6, 1e6, 0.0);
+            Rod::new("column", &shape, RodMesh::open(4, 3), section, Natural::Straight).unwrap()
+        };
+        let rods = vec![rod(0.0), rod(1.0)];
+        let [foot, middle, upper, top] = [(0, 0), (0, 12), (1, 0), (1, 12)].map(|(rod, node)| NodeRef { rod, node });
+        let guide = Support { position: [true, true, false], ..Support::clamp(top) };
+        let loads = vec![
+            NodeLoad { node: top, force: Vec3::z() * -15.0, moment: Vec3::zeros() },
+            NodeLoad { node: middle, force: Vec3::x() * 0.1, moment: Vec3::zeros() },
+        ];
+        let model = Model {
+            rods,
+            supports: vec![Support::clamp(foot), guide],
+            joints: vec![Joint::pin(middle, upper)],
+            loads,
+            load: 1.0,
+            contact: Contact::NONE,
+            ..Model::default()
+        };
+        Engine::new(model, None).unwrap()
+    }
+
+    /// The numbers of a lengthened step are those of the model along it; it falls farther than the shifted one, and
+    /// compresses the columns by no more.
+    #[test]
+    fn a_shifted_step_goes_on_along_what_is_soft() {
+        let mut engine = columns();
+        let state = engine.state().clone();
+        let mut workspace = Workspace::default();
+        workspace.refresh(&mut engine, &state).unwrap();
+        let (stress, drive) = (engine.stress_with(&state, &[[[0.0, 0.0, -15.0]; 3]; 8]), PrescribedMotion::default());
+        let residual = workspace.linearise(&engine, &state, &stress, &drive);
+        let step = workspace.step_within(&engine, (&residual, &drive), 0.5, 0).unwrap();
+        assert!(workspace.shift > 0.0);
+        assert!(step.extent <= MARGIN * 0.5, "{}", step.extent);
+        let slope = workspace.free_dot(&engine, &step.increment, |i| residual.gradient[i]);
+        let curvature = workspace.energy_norm_sq(&engine, &step.increment, 0.0);
+        let inertia = workspace.inertia(&engine, &step.increment);
+        for (found, exact) in [(step.slope, slope), (step.curvature, curvature), (step.inertia, inertia)] {
+            assert!((found - exact).abs() <= 1e-6 * exact.abs(), "{found} is not {exact}");
+        }
+        let plain = workspace.model_step(&engine, &residual, &drive, 0).unwrap();
+        let falls = |step: &ModelStep| -step.slope - 0.5 * step.curvature;
+        assert!(falls(&step) > 1.05 * falls(&plain), "{} {}", falls(&step), falls(&plain));
+        let top = 6 * (engine.num_nodes() - 1) + 2;
+        let [longer, shorter] = [&step, &plain].map(|step| step.increment[top]);
+        assert!((longer / shorter - 1.0).abs() < 1e-3, "{longer} {shorter}");
+    }
+}
