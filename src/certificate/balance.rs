@@ -111,11 +111,13 @@ impl Scale {
         Self { force: force + nothing / tolerance, tolerance }
     }
 
-    /// Force of contact with obstacles, on a node, of overlaps as large as their distance from the origin \[F\]: what
+    /// Force of contact with obstacles, on a node, of overlaps as large as the coordinate along the normal \[F\]: what
     /// the rounding of overlaps is a part of. (Between strands overlaps are those of coordinates near by.)
     fn of_gaps(model: &Model, contact: &[ContactForce]) -> f64 {
         let at_obstacles = contact.iter().filter(|at| matches!(at.partner, Counterpart::Obstacle(_)));
-        let reach = at_obstacles.map(|at| at.at.norm()).fold(0.0, f64::max);
+        let along_normal =
+            |at: &ContactForce| at.force.try_normalize(0.0).map_or(0.0, |normal| at.at.dot(&normal).abs());
+        let reach = at_obstacles.map(along_normal).fold(0.0, f64::max);
         let touching = || model.rods.iter().filter(|rod| rod.section.contact_radius > 0.0);
         let smallest = |of: fn(&Rod) -> f64| touching().map(of).fold(f64::INFINITY, f64::min);
         let radius = smallest(Rod::least_contact_radius);

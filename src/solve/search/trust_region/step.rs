@@ -206,8 +206,8 @@ mod tests {
     use crate::rod::{Natural, Rod, RodMesh, Section, Shape};
     use crate::scene::{Contact, Joint, Model, NodeLoad, NodeRef, Support};
 
-    /// Two columns along z, one on the other by a pin, clamped at both ends but for the height of the upper one, under a
-    /// load beyond the critical one and a small one aside.
+    /// Two columns along z, one on the other by a pin, clamped at both ends but for the height of the upper one, under
+    /// a load beyond the critical one and a small one aside.
     fn columns() -> Engine {
         let rod = |height: f64| {
             let shape = Shape::Line { start: Vec3::z() * height, direction: Vec3::z(), length: 1.0 };
